@@ -3,7 +3,7 @@
 
 #include <btBulletDynamicsCommon.h>
 
-#include <cassert>
+#include <algorithm>
 #include <cmath>
 
 #include "bullet/hull_shape.h"
@@ -23,12 +23,14 @@ struct BulletBodies {
     btTransform X_OC;                   ///< its centre of mass and main axes in O, in Bullet's units
     std::size_t place = 0;              ///< in Model::apart
     bool moved_here = false;
-    bool told = false;  ///< where it is, of one that goes where it is told
+    bool told = false;     ///< where it is, of one that goes where it is told
+    btTransform from, to;  ///< in a tick, of such a one
   };
   std::vector<Given> given;
   PushingHands hands;
   /// Triangles that stand still: the world's, or those of an object apart.
   struct StillMesh {
+    HullShape convex;  ///< parts that are
     std::vector<btScalar> points;
     std::vector<int> corners;
     std::unique_ptr<btTriangleIndexVertexArray> arrays;
@@ -37,6 +39,7 @@ struct BulletBodies {
   std::vector<StillMesh> meshes;
   std::unique_ptr<btStaticPlaneShape> plane;
   std::vector<std::unique_ptr<btRigidBody>> still;
+  btRigidBody fixed{0, nullptr, nullptr};
   btDefaultCollisionConfiguration configuration;
   btCollisionDispatcher dispatcher{&configuration};
   btDbvtBroadphase broadphase;
@@ -50,6 +53,10 @@ constexpr double kSquare = kUnitsPerMetre * kUnitsPerMetre;
 
 // Bullet's own 10 leave a stack of things of unequal weight, and light ones at 500 Hz, unsteady.
 constexpr int kIterations = 30;
+
+// [s] Where a hand presses much harder than by a body's weight, what the solver leaves over in a longer step
+// shakes the body, tips it over or throws it off: 20 g on a table under 3 N at 1 kHz, in one step.
+constexpr double kLongestStep = 2.5e-4;
 
 // The root of the friction between bodies that share none: something that the ground's can be a multiple of.
 constexpr double kLeastFriction = 1e-3;
@@ -95,7 +102,7 @@ Status add_given(const ApartObject& object, std::size_t place, double friction, 
   // Friction that stops speeds only lets what rests on each other creep, by 0.1 mm a second at 500 Hz.
   added.body->setCollisionFlags(added.body->getCollisionFlags() | btCollisionObject::CF_HAS_FRICTION_ANCHOR);
   added.body->setActivationState(DISABLE_DEACTIVATION);  // a finger may push at any time
-  if (added.moved_here) added.skin = std::make_unique<SkinSprings>(*added.body);
+  if (added.moved_here) added.skin = std::make_unique<SkinSprings>(*added.body, bodies.fixed);
   return {};
 }
 
@@ -109,16 +116,19 @@ void add_still(btCollisionShape& shape, const Pose& pose, double friction, Bulle
 void add_still_mesh(const Triangles& triangles, const Pose& pose, double friction, BulletBodies& bodies) {
   if (triangles.size() == 0) return;
   BulletBodies::StillMesh& still = bodies.meshes.emplace_back();
+  const std::vector<std::uint32_t> others = take_convex_parts(triangles, still.convex);
+  if (!still.convex.hulls.empty()) add_still(*still.convex.whole, pose, friction, bodies);
+  if (others.empty()) return;
   for (std::uint32_t i = 0; i < triangles.x.size(); ++i) {
     const Vec3 p = kUnitsPerMetre * triangles.vertex(i);
     still.points.insert(still.points.end(), {p.x, p.y, p.z});
   }
-  for (std::size_t t = 0; t < triangles.size(); ++t) {
+  for (const std::uint32_t t : others) {
     for (const std::uint32_t corner : {triangles.a[t], triangles.b[t], triangles.c[t]})
       still.corners.push_back(static_cast<int>(corner));
   }
   still.arrays = std::make_unique<btTriangleIndexVertexArray>(
-      static_cast<int>(triangles.size()), still.corners.data(), static_cast<int>(3 * sizeof(int)),
+      static_cast<int>(others.size()), still.corners.data(), static_cast<int>(3 * sizeof(int)),
       static_cast<int>(triangles.x.size()), still.points.data(), static_cast<int>(3 * sizeof(btScalar)));
   still.shape = std::make_unique<btBvhTriangleMeshShape>(still.arrays.get(), true);
   still.shape->setMargin(0);
@@ -135,13 +145,23 @@ void add_ground(const Ground& ground, double friction, BulletBodies& bodies) {
 // As a tick takes it: what is no pose leaves it where it is, and what jumps has not been moved there, so it
 // has no speed.
 void tell(const Pose& pose, BulletBodies::Given& given) {
+  given.from = given.to = given.body->getWorldTransform();
   if (!is_pose(pose)) return;
   const Pose now{pose.position, normalized(pose.orientation)};
-  btRigidBody& body = *given.body;
-  if (!given.told || is_jump(from_bullet(body.getWorldTransform()), now))
-    body.setInterpolationWorldTransform(to_bullet(now));
-  body.setWorldTransform(to_bullet(now));
+  given.to = to_bullet(now);
+  if (!given.told || is_jump(from_bullet(given.from), now)) {
+    given.from = given.to;
+    given.body->setInterpolationWorldTransform(given.to);
+  }
   given.told = true;
+}
+
+// As far as this share of the tick.
+void go(double share, BulletBodies::Given& given) {
+  if (!given.told) return;
+  const btQuaternion turned = given.from.getRotation().slerp(given.to.getRotation(), share);
+  given.body->setWorldTransform(
+      btTransform(turned, given.from.getOrigin().lerp(given.to.getOrigin(), share)));
 }
 
 Pose pose_of(const BulletBodies::Given& given) {
@@ -153,28 +173,52 @@ Twist speed_of(const btRigidBody& body) {
           from_bullet(body.getAngularVelocity(), 1)};
 }
 
-// By what hands do as the step begins, and by how that changes as the body gives way: at the speed that it
-// has, here, and as that changes, by springs. How soft skin is where it slips or lifts off tells the step
-// that the body would take with nothing else about.
-void push(const Model& model, std::span<Touch> touches, BulletBodies::Given& given) {
+// By what hands do as a step of `dt` [s] begins, and by how that changes as the body gives way: at the speed
+// that it has, here, and as that changes, by springs. How soft skin is where it slips or lifts off tells the
+// step that the body would take with nothing else about. Returns the touches with such springs.
+std::vector<Touch> push(const Model& model, double dt, std::span<const Touch> touches,
+                        BulletBodies::Given& given) {
   given.skin->clear();
-  if (touches.empty()) return;
+  std::vector<Touch> soft(touches.begin(), touches.end());
+  if (touches.empty()) return soft;
   const ApartObject& object = model.apart[given.place];
-  const double dt = 1 / model.settings.rate;
   const Pose pose = pose_of(given);
   const Twist speed = speed_of(*given.body);
   Wrench wrench = wrench_on_object(touches, transform(pose, object.mechanism.body.centre));
   ObjectState alone{pose, speed.velocity, speed.angular_velocity};
-  move_on(model, object, alone, touches, alone);
+  move_on(model, object, alone, dt, soft, alone);
   Matrix6 stiffness{};
-  for (const Touch& touch : touches) {
-    const Wrench change = change_of(touch.spring, speed, dt);
-    wrench = wrench + about(touch.spring.arm, change);
-    add_spring(touch.spring, 1, stiffness);
+  for (std::size_t i = 0; i < touches.size(); ++i) {
+    soft[i].wrench = touches[i].wrench;
+    const Wrench change = change_of(soft[i].spring, speed, dt);
+    wrench = wrench + about(soft[i].spring.arm, change);
+    add_spring(soft[i].spring, 1, stiffness);
   }
   given.body->applyCentralForce(to_bullet(wrench.force, kUnitsPerMetre));
   given.body->applyTorque(to_bullet(wrench.torque, kSquare));
   given.skin->set(stiffness, dt);
+  return soft;
+}
+
+// What touches have become after a step.
+void go_on(double dt, std::span<Touch> soft, const BulletBodies::Given& given, std::span<Touch> touches) {
+  give_way(speed_of(*given.body), dt, soft);
+  for (std::size_t i = 0; i < touches.size(); ++i) touches[i].wrench = soft[i].wrench;
+}
+
+void step(const Model& model, double dt, double share, BulletBodies& bodies) {
+  std::vector<std::vector<Touch>> soft(bodies.given.size());
+  for (std::size_t i = 0; i < bodies.given.size(); ++i) {
+    BulletBodies::Given& one = bodies.given[i];
+    if (one.moved_here)
+      soft[i] = push(model, dt, bodies.hands.touches[one.place], one);
+    else
+      go(share, one);
+  }
+  bodies.world.stepSimulation(dt, 0);
+  for (std::size_t i = 0; i < bodies.given.size(); ++i)
+    if (bodies.given[i].moved_here)
+      go_on(dt, soft[i], bodies.given[i], bodies.hands.touches[bodies.given[i].place]);
 }
 
 }  // namespace
@@ -211,18 +255,16 @@ void push_bodies(BulletWorld& world, const Model& model, Scratch& scratch) {
 }
 
 void move_bodies(BulletWorld& world, const Model& model, std::span<ObjectFrame> given) {
+  BulletBodies& bodies = *world.bodies;
+  const std::size_t count = std::min(bodies.given.size(), given.size());
+  for (std::size_t i = 0; i < count; ++i)
+    if (!bodies.given[i].moved_here) tell(given[i].pose, bodies.given[i]);
   const double dt = 1 / model.settings.rate;
-  std::vector<BulletBodies::Given>& bodies = world.bodies->given;
-  for (std::size_t i = 0; i < bodies.size() && i < given.size(); ++i) {
-    if (!bodies[i].moved_here)
-      tell(given[i].pose, bodies[i]);
-    else
-      push(model, world.bodies->hands.touches[bodies[i].place], bodies[i]);
-  }
-  forget_hands(world.bodies->hands);
-  world.bodies->world.stepSimulation(dt, 0);
-  for (std::size_t i = 0; i < bodies.size() && i < given.size(); ++i)
-    if (bodies[i].moved_here) given[i].pose = pose_of(bodies[i]);
+  const int steps = static_cast<int>(std::ceil(dt / kLongestStep * (1 - 1e-9)));
+  for (int i = 0; i < steps; ++i) step(model, dt / steps, (i + 1.0) / steps, bodies);
+  forget_hands(bodies.hands);
+  for (std::size_t i = 0; i < count; ++i)
+    if (bodies.given[i].moved_here) given[i].pose = pose_of(bodies.given[i]);
 }
 
 }  // namespace lumbrical

@@ -1,5 +1,7 @@
 #include "bullet/hull_shape.h"
 
+#include <cmath>
+
 #include <BulletCollision/CollisionShapes/btConvexHullShape.h>
 #include <LinearMath/btConvexHullComputer.h>
 
@@ -75,7 +77,65 @@ bool add_hulls(const Triangles& triangles, const btTransform& X_CO, DisjointSets
   return true;
 }
 
+// Hulls of more corners take longer than their triangles, and parts of more triangles are no table.
+constexpr int kMostCorners = 500;
+constexpr std::size_t kMostTriangles = 100000;
+
+// A convex part and its hull have as much room, but for rounding.
+constexpr double kSameVolume = 1e-6;
+
+double volume_of(const btConvexHullComputer& hull) {
+  double sum = 0;
+  for (int i = 0; i < hull.faces.size(); ++i) {
+    const btConvexHullComputer::Edge* const first = &hull.edges[hull.faces[i]];
+    const btVector3& a = hull.vertices[first->getSourceVertex()];
+    for (auto edge = first->getNextEdgeOfFace(); edge->getNextEdgeOfFace() != first;
+         edge = edge->getNextEdgeOfFace())
+      sum += a.triple(hull.vertices[edge->getSourceVertex()], hull.vertices[edge->getTargetVertex()]) / 6;
+  }
+  return std::fabs(sum);
+}
+
+// Three corners of each triangle, about the first.
+std::vector<btVector3> corners_of(const Triangles& triangles, const std::vector<std::uint32_t>& part) {
+  std::vector<btVector3> corners;
+  for (const std::uint32_t t : part) {
+    for (const std::uint32_t corner : {triangles.a[t], triangles.b[t], triangles.c[t]}) {
+      const Vec3 p = kUnitsPerMetre * triangles.vertex(corner);
+      corners.emplace_back(p.x, p.y, p.z);
+    }
+  }
+  return corners;
+}
+
+bool is_convex(const std::vector<btVector3>& corners) {
+  std::vector<btVector3> about;
+  for (const btVector3& corner : corners) about.push_back(corner - corners[0]);
+  double sum = 0;
+  for (std::size_t i = 0; i < about.size(); i += 3) sum += about[i].triple(about[i + 1], about[i + 2]) / 6;
+  btConvexHullComputer hull;
+  hull.compute(&about[0].x(), sizeof(btVector3), static_cast<int>(about.size()), 0, 0);
+  const double volume = volume_of(hull);
+  return hull.vertices.size() <= kMostCorners && volume > 0 &&
+         std::fabs(std::fabs(sum) - volume) <= kSameVolume * volume;
+}
+
 }  // namespace
+
+std::vector<std::uint32_t> take_convex_parts(const Triangles& triangles, HullShape& convex) {
+  convex.whole = std::make_unique<btCompoundShape>();
+  DisjointSets parts = joined_parts_of(triangles);
+  std::vector<std::vector<std::uint32_t>> part(triangles.x.size());
+  for (std::uint32_t t = 0; t < triangles.size(); ++t) part[parts.find(triangles.a[t])].push_back(t);
+  std::vector<std::uint32_t> others;
+  for (const std::vector<std::uint32_t>& one : part) {
+    const std::vector<btVector3> corners = corners_of(triangles, one);
+    if (one.empty() || one.size() > kMostTriangles || !is_convex(corners) ||
+        !add_hull(corners, false, convex))
+      others.insert(others.end(), one.begin(), one.end());
+  }
+  return others;
+}
 
 bool make_hull_shape(const Triangles& triangles, const btTransform& X_CO, bool thickened, HullShape& shape) {
   return add_hulls(triangles, X_CO, parts_of(triangles), false, shape) ||

@@ -23,4 +23,8 @@ struct HullShape {
 /// body; `thickened`, Bullet's margin of 0.4 mm makes it one.
 bool make_hull_shape(const Triangles& triangles, const btTransform& X_CO, bool thickened, HullShape& shape);
 
+/// Of triangles that stand still: parts that are closed and convex as hulls, in O [kUnitsPerMetre]; returns
+/// the triangles of the others. On many triangles in a plane a body has no points to stand on that stay.
+std::vector<std::uint32_t> take_convex_parts(const Triangles& triangles, HullShape& convex);
+
 }  // namespace lumbrical

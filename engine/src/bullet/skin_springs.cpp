@@ -95,8 +95,8 @@ Matrix6 per_mass(const Matrix6& stiffness, const MainWays& ways) {
 
 }  // namespace
 
-SkinSprings::SkinSprings(btRigidBody& body)
-    : btTypedConstraint(MAX_CONSTRAINT_TYPE, body, btTypedConstraint::getFixedBody()) {
+SkinSprings::SkinSprings(btRigidBody& body, btRigidBody& fixed)
+    : btTypedConstraint(MAX_CONSTRAINT_TYPE, body, fixed) {
   setEnabled(false);
 }
 

@@ -15,7 +15,8 @@ namespace lumbrical {
 /// nor the mass couples, so that each row is solved by itself.
 class SkinSprings : public btTypedConstraint {
  public:
-  explicit SkinSprings(btRigidBody& body);
+  /// `fixed` stands still.
+  SkinSprings(btRigidBody& body, btRigidBody& fixed);
 
   /// K [N/m, N, N m/rad] about the body's centre of mass, W, in a step of `dt` [s].
   void set(const Matrix6& stiffness, double dt);

@@ -16,10 +16,9 @@ Mechanism held_by_latch(const ApartObject& object, const ObjectState& state, con
 
 // Under `wrench` [about its centre of mass, W] of what gives way like `springs`, to which the ground's are
 // added. Returns the speed it then has.
-Twist step(const Model& model, const ApartObject& object, Wrench wrench, const ObjectState& handle,
+Twist step(const Model& model, const ApartObject& object, Wrench wrench, const ObjectState& handle, double dt,
            Springs& springs, ObjectState& state) {
   const MassProperties& body = object.mechanism.body;
-  const double dt = 1 / model.settings.rate;
   wrench.force += body.mass * model.gravity;
   if (model.ground && object.mechanism.mobility == Mobility::free) {
     const double weight = body.mass * max(1, norm(model.gravity));
@@ -34,15 +33,14 @@ Twist step(const Model& model, const ApartObject& object, Wrench wrench, const O
 
 }  // namespace
 
-void move_on(const Model& model, const ApartObject& object, const ObjectState& handle,
+void move_on(const Model& model, const ApartObject& object, const ObjectState& handle, double dt,
              std::span<Touch> touches, ObjectState& state) {
-  const double dt = 1 / model.settings.rate;
   const Quat orientation = state.pose.orientation;
   const Wrench wrench = wrench_on_object(touches, transform(state.pose, object.mechanism.body.centre));
   const auto moved = [&] {
     Springs springs;
     for (const Touch& touch : touches) springs.push_back(touch.spring);
-    return step(model, object, wrench, handle, springs, state);
+    return step(model, object, wrench, handle, dt, springs, state);
   };
   if (touches.empty()) {
     moved();

@@ -212,7 +212,7 @@ void feel_objects(const ObjectTick& tick, State& state, Scratch& scratch, HandFo
     }
     const double coordinate = own.coordinate;
     if (moves_by_itself(object.mechanism))
-      move_on(model, object, state.objects[object.latch], touches, own);
+      move_on(model, object, state.objects[object.latch], dt, touches, own);
     else if (object.mechanism.mobility == Mobility::given)
       keep_touches(touches, dt, own, scratch.touches->object[i]);
     for (const Touch& touch : touches) {

@@ -45,7 +45,8 @@ void move_objects(SharedObjects& shared, std::span<ObjectFrame> given) {
     ObjectState& state = shared.state.objects[i];
     if (object.mechanism.mobility == Mobility::fixed) continue;
     if (moves_by_itself(object.mechanism)) {
-      move_on(shared.model, object, shared.state.objects[object.latch], shared.hands->touches[i], state);
+      move_on(shared.model, object, shared.state.objects[object.latch], 1 / shared.model.settings.rate,
+              shared.hands->touches[i], state);
       if (next < given.size()) given[next].pose = state.pose;
     }
     ++next;
