@@ -15,6 +15,7 @@
 
 #include "lumbrical/recording.h"
 #include "lumbrical/scene_file.h"
+#include "lumbrical/shared_objects.h"
 #include "read_number.h"
 #include "timing.h"
 
@@ -41,8 +42,12 @@ class Session {
     Execution single = file_.execution;
     single.threads = 1;  // so that the tick thread's time is all of it
     Status status = build_model(file_.scene, single, model_);
-    if (status.ok()) scratch_ = make_scratch(model_);
-    return status;
+    if (!status.ok()) return status;
+    if (file_.second || !start_frames(model_).empty())
+      return Status::error("two hands or given objects are not measured; name a scene without");
+    scratch_ = make_scratch(model_);
+    state_ = make_state(model_);
+    return {};
   }
   [[nodiscard]] std::uint64_t ticks() const {
     return static_cast<std::uint64_t>(file_.seconds * model_.settings.rate);

@@ -461,6 +461,8 @@ TEST(SceneFile, MistakesOfPathsLatchesAndPhysicsAreNamed) {
          "latch.object must be another hinge or slider");
   expect(R"({"objects": [{"box": {}}], "physics": {"engine": "newton"}, )" + std::string(kGrasp) + "}",
          "physics.engine must be \"bullet\"");
+  expect(with_object(R"("moves": "free", "mass": 1)").insert(1, R"("physics": {"engine": "bullet"}, )"),
+         "physics moves what has \"moves\": \"given\" and a mass");
 }
 
 }  // namespace

@@ -47,7 +47,11 @@ std::string way_text(const ApartObject& object, const MovedObject& moved) {
     return (hinge ? "turned from " : "slid from ") + way(moved.least) + " to " + way(moved.most) + ", " +
            way(moved.last) + " at the end";
   }
-  if (moved.farthest == 0 && moved.most_turned == 0) return "stayed where it was";
+  if (moved.farthest == 0 && moved.most_turned == 0)
+    return std::string("stayed where it was") +
+           (object.mechanism.mobility == Mobility::given && object.mechanism.body.mass > 0
+                ? ": \"physics\" in the scene moves what is given and has a mass"
+                : "");
   return "moved by up to " + length(moved.farthest) + " and " + angle(moved.most_turned) + ", " +
          length(moved.last_distance) + " and " + angle(moved.last_turned) + " at the end";
 }

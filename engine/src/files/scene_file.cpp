@@ -315,6 +315,10 @@ Status read_world(const format::Scene& scene, FieldReader& read, SceneFile& resu
   return open_world(result.files.back(), result.scene.world);
 }
 
+bool is_given_with_mass(const SceneObject& object) {
+  return object.mechanism.mobility == Mobility::given && object.mechanism.body.mass > 0;
+}
+
 Status read_things(const format::Scene& scene, FieldReader& read, SceneFile& result) {
   read_surroundings(scene, read, result.scene);
   if (scene.world() != nullptr)
@@ -337,6 +341,9 @@ Status read_things(const format::Scene& scene, FieldReader& read, SceneFile& res
   read_physics(scene, read, result.physics);
   if (result.physics && scene.world() != nullptr)
     read.error("physics", "stands beside a world file, through which its bodies would fall; name objects");
+  else if (result.physics &&
+           std::none_of(result.scene.objects.begin(), result.scene.objects.end(), is_given_with_mass))
+    read.error("physics", "moves what has \"moves\": \"given\" and a mass or density, and nothing has");
   return read.status();
 }
 
