@@ -23,6 +23,7 @@
 #include "accuracy_table.h"
 #include "base/floating_point.h"
 #include "machine.h"
+#include "read_number.h"
 #include "stages/narrowphase.h"
 #include "timing.h"
 
@@ -328,25 +329,28 @@ const char* isa_name() {
 #endif
 }
 
+constexpr std::size_t kMostPairs = 1000000000;
+
 bool parse(int count, char** words, Options& options) {
   for (int i = 1; i + 1 < count; i += 2) {
     const std::string name = words[i];
     const char* value = words[i + 1];
-    if (name == "--pairs") {
-      options.pairs = std::strtoull(value, nullptr, 10);
-    } else if (name == "--seed") {
-      options.seed = std::strtoull(value, nullptr, 10);
-    } else if (name == "--threads") {
-      options.threads = static_cast<unsigned>(std::strtoul(value, nullptr, 10));
-    } else if (name == "--check") {
-      options.check = std::strtoull(value, nullptr, 10);
-    } else if (name == "--out") {
+    bool is_read = true;
+    if (name == "--pairs")
+      is_read = read_number(value, kMostPairs, options.pairs);
+    else if (name == "--seed")
+      is_read = read_number(value, UINT64_MAX, options.seed);
+    else if (name == "--threads")
+      is_read = read_number(value, 1024u, options.threads);
+    else if (name == "--check")
+      is_read = read_number(value, kMostPairs, options.check);
+    else if (name == "--out")
       options.out = value;
-    } else {
+    else
       return false;
-    }
+    if (!is_read) return false;
   }
-  return count % 2 == 1 && options.pairs >= std::size(kCells) && options.threads > 0;
+  return count % 2 == 1 && options.pairs >= std::size(kCells);
 }
 
 }  // namespace

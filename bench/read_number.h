@@ -2,14 +2,16 @@
 #pragma once
 
 #include <charconv>
+#include <cstdint>
 #include <string_view>
 #include <system_error>
 
 namespace lumbrical::bench {
 
 /// A number above 0 to `most`, the whole text of it; false, and `number` as it was: it is none.
-inline bool read_number(std::string_view text, double most, double& number) {
-  double read = 0;
+template <class Number>
+bool read_number(std::string_view text, Number most, Number& number) {
+  Number read = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), read);
   if (error != std::errc() || end != text.data() + text.size() || !(read > 0 && read <= most)) return false;
   number = read;

@@ -234,7 +234,7 @@ int main(int argc, char** argv) {
       if (status.ok()) status = measure_size(file, path, force_interval);
   } else if (command == "long") {
     double hours = 0;
-    if (!lumbrical::bench::read_number(argv[2], 1000, hours))
+    if (!lumbrical::bench::read_number(argv[2], 1000.0, hours))
       return fail("recording_cost: \"" + std::string(argv[2]) + "\" is no number of hours, above 0 to 1000");
     status = measure_long(path, hours);
   }

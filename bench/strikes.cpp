@@ -19,6 +19,7 @@
 #include "pads.h"
 #include "proxy/proxy_hand.h"
 #include "random.h"
+#include "read_number.h"
 #include "timing.h"
 
 namespace {
@@ -188,10 +189,11 @@ bool print_row(const Target& target, bool whole_hand, std::uint64_t count) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  const std::uint64_t count = argc > 1 ? std::strtoull(argv[1], nullptr, 10) : 10000;
+  std::uint64_t count = 10000;
+  const bool is_count = argc < 2 || bench::read_number(argv[1], std::uint64_t{1000000000}, count);
   std::vector<Target> targets = sheets();
   const auto unit = parse_unit(argc > 2 ? argv[argc - 1] : "m");
-  if (count == 0 || !unit || argc == 3) {
+  if (!is_count || !unit || argc == 3) {
     std::fprintf(stderr, "strikes [COUNT] [MESH.. UNIT]: UNIT is m, cm or mm\n");
     return 2;
   }

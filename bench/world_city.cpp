@@ -256,8 +256,9 @@ int main(int argc, char** argv) {
   if (what == "build" && argc > 3) return build(triangles, argv[3]);
   Walk how;
   if (what == "memory" && read_walk(argc, argv, 3, how)) return walk_memory(triangles, how);
-  if (what == "walk" && read_walk(argc, argv, 4, how))
-    return walk_file(argv[2], argc < 4 || std::string(argv[3]) != "alone", how);
+  const std::string reading = argc > 3 ? argv[3] : "ahead";
+  if (what == "walk" && (reading == "ahead" || reading == "alone") && read_walk(argc, argv, 4, how))
+    return walk_file(argv[2], reading == "ahead", how);
   std::fprintf(stderr,
                "world_city build TRIANGLES FILE | walk FILE [ahead|alone] [SECONDS [SPEED [PRECISION]]] | "
                "memory TRIANGLES [SECONDS [SPEED [PRECISION]]]\n");
