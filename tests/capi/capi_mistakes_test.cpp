@@ -92,7 +92,7 @@ TEST(CApiMistakes, NumbersThatAreNoValueOfTheirEnumerationAreRefused) {
   auto settings = sized<lumbrical_settings>();
   ASSERT_EQ(lumbrical_scene_settings(c.scene, &settings), LUMBRICAL_OK);
   settings.law[7] = 5;
-  expect_mistake(lumbrical_scene_set_settings(c.scene, &settings), "settings->law is 5");
+  expect_mistake(lumbrical_scene_set_settings(c.scene, &settings), "settings->law[7] is 5");
   lumbrical_execution execution;
   ASSERT_EQ(lumbrical_execution_init(&execution), LUMBRICAL_OK);
   execution.broadphase = 9;
@@ -103,6 +103,17 @@ TEST(CApiMistakes, NumbersThatAreNoValueOfTheirEnumerationAreRefused) {
   EXPECT_EQ(lumbrical_segment_name(16), nullptr);
   EXPECT_EQ(lumbrical_joint_name(-1), nullptr);
   EXPECT_STREQ(lumbrical_segment_name(15), "palm");
+}
+
+TEST(CApiMistakes, APrecisionOutOfRangeIsToldWithItsSegment) {
+  CSession c(MeshObject(ball_scene().objects[0].mesh).object);
+  auto settings = sized<lumbrical_settings>();
+  ASSERT_EQ(lumbrical_scene_settings(c.scene, &settings), LUMBRICAL_OK);
+  settings.precision[5] = std::numeric_limits<double>::quiet_NaN();
+  ASSERT_EQ(lumbrical_scene_set_settings(c.scene, &settings), LUMBRICAL_OK);
+  lumbrical_model* other = nullptr;
+  expect_refused(lumbrical_model_build(c.scene, nullptr, &other), LUMBRICAL_BAD_DATA,
+                 "settings.precision[5] is out of range");
 }
 
 TEST(CApiMistakes, AHandleOfAnotherKindIsNoticed) {

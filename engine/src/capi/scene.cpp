@@ -190,7 +190,8 @@ void to_c(const Scene& scene, lumbrical_settings& out) {
 Fault to_scene(const lumbrical_settings& given, Scene& scene) {
   Settings settings;
   for (std::size_t s = 0; s < kSegmentCount; ++s) {
-    if (Fault fault = check_enum(given.law[s], 5, "settings->law", settings.law[s])) return fault;
+    const std::string name = "settings->law[" + std::to_string(s) + "]";
+    if (Fault fault = check_enum(given.law[s], 5, name.c_str(), settings.law[s])) return fault;
     settings.precision[s] = given.precision[s];
   }
   settings.effort = given.effort;

@@ -15,6 +15,10 @@ Status out_of_range(const std::string& field, const std::string& range) {
   return Status::error(field + " is out of range: give " + range);
 }
 
+std::string of_segment(const char* field, std::size_t segment) {
+  return std::string("settings.") + field + "[" + std::to_string(segment) + "]";
+}
+
 struct Number {
   double value;
   const char* field;
@@ -32,8 +36,9 @@ Status check_numbers(std::span<const Number> numbers) {
 Status check_words(const Settings& settings) {
   if (felt_once_name(settings.felt_once) == "unknown")
     return out_of_range("settings.felt_once", "never, by-samples or always");
-  for (const Law law : settings.law) {
-    if (law_name(law) == "unknown") return out_of_range("settings.law", "one of the five laws");
+  for (std::size_t s = 0; s < kSegmentCount; ++s) {
+    const Law law = settings.law[s];
+    if (law_name(law) == "unknown") return out_of_range(of_segment("law", s), "one of the five laws");
     if (settings.felt_once == FeltOnce::always && law != Law::field)
       return Status::error("settings.felt_once: \"always\" needs law \"field\" on every segment");
   }
@@ -92,9 +97,9 @@ Status check_settings(const Settings& settings) {
       {double(settings.effort), "settings.effort", range::effort},
       {double(settings.max_candidates), "settings.max_candidates", range::max_candidates}};
   if (Status status = check_numbers(numbers); !status.ok()) return status;
-  for (const double precision : settings.precision) {
-    if (precision != 0 && !range::precision.holds(precision))
-      return out_of_range("settings.precision", "0 (exact) or " + text_of(range::precision));
+  for (std::size_t s = 0; s < kSegmentCount; ++s) {
+    if (settings.precision[s] != 0 && !range::precision.holds(settings.precision[s]))
+      return out_of_range(of_segment("precision", s), "0 (exact) or " + text_of(range::precision));
   }
   if (settings.proxy_stiffness != 0 && !range::proxy_stiffness.holds(settings.proxy_stiffness))
     return out_of_range("settings.proxy_stiffness", "0 or " + text_of(range::proxy_stiffness));
