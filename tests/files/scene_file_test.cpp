@@ -209,8 +209,7 @@ TEST(SceneFile, TellsEveryMistakeWithItsPlace) {
       {"{}", ":1:1: motion is missing"},
       {"[]", ":1:1: expecting: {"},
       {R"({"settings": {"precision": "exact"}})",
-       ":1:36: invalid number: \"exact\"; write 0, which is exact"},
-      {R"({"settings": {"rate": "1 kHz"}})", "invalid number: \"1 kHz\"; write a number, without quotes"},
+       ":1:28: settings.precision is \"exact\" but must be a number; 0 is exact"},
       {"{\n \"objcts\": []}", ":2:12: unknown field: objcts; schemas/scene.fbs lists the fields"},
       {R"({"motion": {"grasp": {}}})", ":1:1: objects is missing or empty"},
       {R"({"motion": {"grasp": {}}, "objects": []})", ":1:38: objects is missing or empty"},
@@ -282,6 +281,41 @@ TEST(SceneFile, TellsEveryMistakeWithItsPlace) {
       EXPECT_NE(message.find(mistake.message), std::string::npos) << message;
     }
   }
+}
+
+TEST(SceneFile, TellsAValueOfAWrongKindWithItsFieldAndWhatItHasToBe) {
+  const Mistake mistakes[] = {
+      {R"({"settings": {"effort": -1}})", ":1:25: settings.effort is -1 but must be a whole number"},
+      {R"({"settings": {"effort": 1.5}})", "settings.effort is 1.5 but must be a whole number"},
+      {R"({"settings": {"rate": 5, "effort": "many"}})",
+       "settings.effort is \"many\" but must be a whole number"},
+      {R"({"settings": {"effort": many}})", "settings.effort is many but must be a whole number"},
+      {R"({"settings": {"effort": ""}})", "settings.effort is \"\" but must be a whole number"},
+      {R"({"settings": {"effort": 5000000000}})", "settings.effort is 5000000000 but must be far smaller"},
+      {"{\"settings\": {\n\"effort\":\n -1\n}\n}", ":3:2: settings.effort is -1"},
+      {R"({"settings": {"effort": [1]}})", "settings.effort is a list but must be a whole number"},
+      {R"({"settings": {"rate": "1 kHz"}})",
+       ":1:23: settings.rate is \"1 kHz\" but must be a number, without quotes"},
+      {R"({"settings": {"rate": {}}})", "settings.rate is an object but must be a number"},
+      {R"({"settings": {"law": 5}})", "settings.law is 5 but must be text, in quotes"},
+      {R"({"settings": 5})", "settings is 5 but must be an object"},
+      {R"({"objects": {"box": {}}})", "objects is an object but must be a list"},
+      {R"({"objects": [{"plane": {}}, {"box": {"cells": -4}}]})", "objects[1].box.cells is -4 but must be"},
+      {R"({"objects": [{"position": [0, "a", 1]}]})", "objects[0].position[1] is \"a\" but must be a number"},
+      {R"({"objects": [7]})", "objects[0] is 7 but must be an object"},
+      {R"({"hand": {"palm": {"polygon": [{"x": 1, "z": "b"}]}}})",
+       "hand.palm.polygon[0].z is \"b\" but must be"},
+      {R"({"settings": {"effort": -1, "rate": 5}, "motion": {}})", ":1:25: settings.effort is -1"},
+      {R"({"hand": {"palm": {"polygon": [{"x": "b", "z": 1}]}}})",
+       "hand.palm.polygon[0].x is \"b\" but must be"},
+      // What comes behind a value is no fault of it.
+      {R"({"settings": {"rate": "5" x}})", "expecting: "},
+      {R"({"settings": {"law": null x}})", "expecting: "},
+      {R"({"settings": {"effort": "many)", "illegal character"},
+  };
+  for (const Mistake& mistake : mistakes)
+    EXPECT_NE(error_of(mistake.text).find(mistake.message), std::string::npos)
+        << mistake.text << "\n  " << error_of(mistake.text);
 }
 
 TEST(SceneFile, ReadsNoImagesOfObjectsBeyondThoseThatMayBeFelt) {

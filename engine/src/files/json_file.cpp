@@ -7,6 +7,7 @@
 #include <array>
 #include <charconv>
 #include <cstdio>
+#include <utility>
 
 #include "base/whole_file.h"
 
@@ -29,13 +30,11 @@ std::string prefix(const std::string& name, TextPlace place) {
 std::string remedy_of(std::string_view message, const JsonSchema& schema) {
   if (message.starts_with("unknown field"))
     return std::string("; schemas/") + schema.file + " lists the fields";
-  if (message == "invalid number: \"exact\"") return "; write 0, which is exact";
-  if (message.starts_with("invalid number")) return "; write a number, without quotes";
   return "";
 }
 
-// The parser says "12: 34: error: what"; people's editors understand "name:12:34: what".
-std::string located(const std::string& name, std::string_view message, const JsonSchema& schema) {
+// Takes line and column off the parser's "12: 34: error: what".
+TextPlace take_place(std::string_view& message) {
   TextPlace place;
   for (std::size_t* const target : {&place.line, &place.column}) {
     const auto result = std::from_chars(message.data(), message.data() + message.size(), *target);
@@ -46,7 +45,7 @@ std::string located(const std::string& name, std::string_view message, const Jso
   place.column = std::max<std::size_t>(place.column, 1);
   constexpr std::string_view kError = "error: ";
   if (message.starts_with(kError)) message.remove_prefix(kError.size());
-  return prefix(name, place) + std::string(message).append(remedy_of(message, schema));
+  return place;
 }
 
 // Walks over JSON text without judging it.
@@ -59,6 +58,15 @@ class Walker {
   // Steps to the value of a member or element of the value at hand; false, and the old position, if there is
   // none.
   bool enter(std::string_view key, std::size_t index) {
+    const bool object = peek() == '{';
+    return step([&](std::string_view name, std::size_t i) {
+      return key.empty() ? !object && i == index : name == key;
+    });
+  }
+
+  // Steps to the first value of a member or element for which `wanted` holds, or not at all.
+  template <class Wanted>
+  bool step(const Wanted& wanted) {
     const std::size_t start = position_;
     const bool object = peek() == '{';
     if (!object && peek() != '[') return false;
@@ -70,7 +78,7 @@ class Walker {
         if (peek() == ':') ++position_;
         peek();
       }
-      if (key.empty() ? !object && i == index : name == key) return true;
+      if (wanted(name, i)) return true;
       const std::size_t before = position_;
       skip_value();
       if (peek() == ',') ++position_;
@@ -78,6 +86,18 @@ class Walker {
     }
     position_ = start;
     return false;
+  }
+
+  // The value at hand, of a list or an object what it begins with; empty where that is no token of JSON.
+  std::string_view token() {
+    const std::size_t start = position_;
+    if (peek() == '"') {
+      string();
+      const std::string_view quoted = text_.substr(start, std::exchange(position_, start) - start);
+      return quoted.size() > 1 && quoted.ends_with('"') ? quoted : std::string_view();
+    }
+    if (peek() == '{' || peek() == '[') return text_.substr(start, 1);
+    return text_.substr(start, text_.find_first_of(" \t\r\n,:]}/", start) - start);
   }
 
   // The next character after white space and comments; '\0' at the end.
@@ -138,6 +158,85 @@ class Walker {
   std::size_t position_ = 0;
 };
 
+std::size_t offset_of(std::string_view text, TextPlace place) {
+  std::size_t start = 0;
+  for (std::size_t line = 1; line < place.line; ++line)
+    start = std::min(text.find('\n', start), text.size() - 1) + 1;
+  return start + place.column;
+}
+
+template <class Number>
+bool is_number(std::string_view text) {
+  Number number{};
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  return error == std::errc() && end == text.data() + text.size();
+}
+
+// What a value has to be that is not of its field's type; null where the parser takes it.
+const char* wanted_for(const flatbuffers::Type& type, std::string_view value) {
+  const char first = value.front();
+  if (value == "null") return nullptr;
+  if (type.base_type == flatbuffers::BASE_TYPE_STRUCT) return first == '{' ? nullptr : "an object, {...}";
+  if (flatbuffers::IsVector(type)) return first == '[' ? nullptr : "a list, [...]";
+  if (flatbuffers::IsString(type)) return first == '"' ? nullptr : "text, in quotes";
+  if (value == "true" || value == "false") return nullptr;
+  if (flatbuffers::IsBool(type.base_type)) return "true or false";
+  std::string_view number = value;  // which the parser takes in quotes, too
+  if (first == '"') number = number.substr(1, number.size() - 2);
+  if (flatbuffers::IsFloat(type.base_type)) {
+    if (is_number<double>(number)) return nullptr;
+    return number == "exact" ? "a number; 0 is exact" : "a number, without quotes";
+  }
+  if (is_number<std::uint32_t>(number)) return nullptr;  // our schemas have no other whole numbers
+  const bool digits = !number.empty() && number.find_first_not_of("0123456789") == std::string_view::npos;
+  return digits ? "far smaller" : "a whole number, in digits only";
+}
+
+// Steps to the first value before `end` that is not of its field's type, adds the way there to `path`, and
+// tells what it has to be; null, and nothing has changed, if there is none.
+const char* find_wrong_kind(Walker& walker, const flatbuffers::Type& type, std::size_t end,
+                            std::string& path) {
+  const char* wanted = nullptr;
+  walker.step([&](std::string_view key, std::size_t index) {
+    const std::size_t length = path.size();
+    const std::string_view value = walker.token();
+    if (walker.position() >= end || value.empty()) return false;
+    flatbuffers::Type inner;
+    if (flatbuffers::IsVector(type)) {
+      inner = type.VectorType();
+      path += "[" + std::to_string(index) + "]";
+    } else {
+      const flatbuffers::FieldDef* const field = type.struct_def->fields.Lookup(std::string(key));
+      if (field == nullptr) return false;
+      inner = field->value.type;
+      path.append(path.empty() ? "" : ".").append(key);
+    }
+    wanted = wanted_for(inner, value);
+    if (wanted == nullptr && (value == "{" || value == "["))
+      wanted = find_wrong_kind(walker, inner, end, path);
+    if (wanted == nullptr) path.resize(length);
+    return wanted != nullptr;
+  });
+  return wanted;
+}
+
+// People's editors understand "name:12:34: what". The parser looks at numbers once it has read the table that
+// they are in: a value of a wrong kind is somewhere before the place that it tells.
+std::string error_of(const JsonFile& file, const flatbuffers::Parser& parser, const JsonSchema& schema) {
+  std::string_view message = parser.error_;
+  const TextPlace place = take_place(message);
+  const flatbuffers::Type root(flatbuffers::BASE_TYPE_STRUCT, parser.root_struct_def_);
+  Walker walker(file.text);
+  std::string path;
+  const char* const wanted = find_wrong_kind(walker, root, offset_of(file.text, place), path);
+  if (wanted == nullptr)
+    return prefix(file.name, place) + std::string(message).append(remedy_of(message, schema));
+  const std::string_view value = walker.token();
+  const std::string_view shown = value == "{" ? "an object" : value == "[" ? "a list" : value;
+  return prefix(file.name, place_of(file.text, walker.position())) + path + " is " + std::string(shown) +
+         " but must be " + wanted;
+}
+
 std::string interval(const Range& range) {
   return text_of(range.low) + " .. " + text_of(range.high) + range.unit;
 }
@@ -182,7 +281,7 @@ Status read_json_file(const std::string& path, const JsonSchema& schema, JsonFil
     return Status::error(std::string("the built-in schema of ") + schema.root +
                          " is damaged; rebuild the program");
   }
-  if (!parser.ParseJson(file.text.c_str())) return Status::error(located(file.name, parser.error_, schema));
+  if (!parser.ParseJson(file.text.c_str())) return Status::error(error_of(file, parser, schema));
   const std::uint8_t* const data = parser.builder_.GetBufferPointer();
   file.buffer.assign(data, data + parser.builder_.GetSize());
   return {};
