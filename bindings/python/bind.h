@@ -13,6 +13,7 @@
 #include <new>
 #include <span>
 #include <string>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -180,7 +181,20 @@ Enum parsed(const std::optional<Enum>& value, const std::string& text, const cha
   return *value;
 }
 
+Law law_of(const std::string& text);
 Execution execution_of(std::uint32_t threads, const std::string& broadphase, const std::string& isa);
+
+/// What a property is set to. Left to itself pybind11 refuses without the property's name.
+template <class Value>
+Value taken(const py::object& given, const char* name, const char* takes) {
+  try {
+    return given.cast<Value>();
+  } catch (const py::cast_error&) {
+    const std::string message = std::string(name) + " takes " + takes;
+    if (std::is_arithmetic_v<Value> && py::isinstance<py::int_>(given)) throw py::value_error(message);
+    throw py::type_error(message);
+  }
+}
 
 struct PyModel : Bound {
   Model model;

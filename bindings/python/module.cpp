@@ -331,7 +331,7 @@ py::array run_probe(const py::object& vertices, const py::object& triangles, con
                     double stiffness) {
   const Mesh mesh = mesh_of(vertices, triangles);
   const std::vector<ProbePrimitive> primitives = primitives_of(spheres, capsules, cylinders);
-  const Law which = parsed(parse_law(law), law, "law");
+  const Law which = law_of(law);
   std::vector<ProbeContact> contacts;
   Status status;
   {

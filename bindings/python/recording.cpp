@@ -173,7 +173,7 @@ py::dict run_what_if(const Path& path, std::optional<double> stiffness, const st
   ReplayOptions options = options_of(world, threads, "auto");
   options.stiffness = stiffness;
   options.precision = precision;
-  if (law) options.law = parsed(parse_law(*law), *law, "law");
+  if (law) options.law = law_of(*law);
   const auto result = found_by<WhatIfResult>([&](WhatIfResult& out) {
     RecordingReader reader;
     Status status = open_one_hand(path.text, which, reader);

@@ -237,22 +237,36 @@ void bind_ground(py::module_& module) {
       .def_readonly("friction", &Ground::friction);
 }
 
+// A property that is set to a Value.
+template <class Value, class Class, class Get, class Set>
+void bind_property(Class& bound, const char* name, const char* takes, const Get& get, const Set& set) {
+  bound.def_property(name, get, [=](PyScene& self, const py::object& given) {
+    set(self, taken<Value>(given, name, takes));
+  });
+}
+
 // Settings that are one number.
 template <class Class, class Number>
 void bind_number(Class& bound, const char* name, Number Settings::*field) {
-  bound.def_property(
-      name, [field](const PyScene& self) { return self.scene.settings.*field; },
+  bind_property<Number>(
+      bound, name, std::is_integral_v<Number> ? "a whole number, 0 to 4294967295" : "a number",
+      [field](const PyScene& self) { return self.scene.settings.*field; },
       [field](PyScene& self, Number value) { self.scene.settings.*field = value; });
 }
 
 }  // namespace
+
+Law law_of(const std::string& text) {
+  return parsed(parse_law(text), text, "law: field, column, max-depth, centroid or point");
+}
 
 Execution execution_of(std::uint32_t threads, const std::string& broadphase, const std::string& isa) {
   Execution execution;
   execution.threads = threads;
   execution.broadphase =
       parsed(parse_broadphase(broadphase), broadphase, "broadphase: auto, tree, grid, voxel or brute");
-  execution.isa = parsed(parse_isa(isa), isa, "instruction set");
+  execution.isa =
+      parsed(parse_isa(isa), isa, "instruction set: auto, scalar, sse2, avx2, avx512, neon or simd128");
   return execution;
 }
 
@@ -302,8 +316,8 @@ void bind_scene(py::module_& module) {
     static_assert(sizeof(PadLayer) == 2 * sizeof(double));
     return view_of(&self.cast<PyScene&>().scene.settings.pad.layer[0].from, {kPadLayers, 2}, self, true);
   });
-  scene.def_property(
-      "pad_damping", [](const PyScene& self) { return self.scene.settings.pad.damping; },
+  bind_property<double>(
+      scene, "pad_damping", "a number", [](const PyScene& self) { return self.scene.settings.pad.damping; },
       [](PyScene& self, double value) { self.scene.settings.pad.damping = value; });
   scene.def_property_readonly("precision", [](const py::object& self) {
     return view_of(self.cast<PyScene&>().scene.settings.precision.data(), {kSegmentCount}, self, true);
@@ -314,18 +328,18 @@ void bind_scene(py::module_& module) {
   scene.def_property_readonly("gravity", [](const py::object& self) {
     return view_of(&self.cast<PyScene&>().scene.gravity.x, {3}, self, true);
   });
-  scene.def_property(
-      "ground", [](const PyScene& self) { return self.scene.ground; },
+  bind_property<std::optional<Ground>>(
+      scene, "ground", "a Ground or None", [](const PyScene& self) { return self.scene.ground; },
       [](PyScene& self, const std::optional<Ground>& ground) { self.scene.ground = ground; });
-  scene.def_property(
-      "law", [](const PyScene& self) { return law_name(self.scene.settings.law[0]); },
-      [](PyScene& self, const std::string& law) {
-        self.scene.settings.law.fill(parsed(parse_law(law), law, "law"));
-      });
-  scene.def_property(
-      "felt_once", [](const PyScene& self) { return felt_once_name(self.scene.settings.felt_once); },
+  bind_property<std::string>(
+      scene, "law", "a string", [](const PyScene& self) { return law_name(self.scene.settings.law[0]); },
+      [](PyScene& self, const std::string& law) { self.scene.settings.law.fill(law_of(law)); });
+  bind_property<std::string>(
+      scene, "felt_once", "a string",
+      [](const PyScene& self) { return felt_once_name(self.scene.settings.felt_once); },
       [](PyScene& self, const std::string& felt_once) {
-        self.scene.settings.felt_once = parsed(parse_felt_once(felt_once), felt_once, "felt_once");
+        self.scene.settings.felt_once =
+            parsed(parse_felt_once(felt_once), felt_once, "felt_once: never, by-samples or always");
       });
   scene.def_property_readonly("side", [](const PyScene& self) { return side_name(self.scene.hand.side); });
 

@@ -182,7 +182,8 @@ State snapshot(Session& self) {
   return self.state;
 }
 
-void restore(Session& self, const State& state) {
+void restore(Session& self, const py::object& given) {
+  const auto state = taken<State>(given, "state", "a State");
   const Busy busy(self.busy);
   if (self.recorder) throw std::runtime_error("a session can't leave its course while it is recorded");
   check(check_state(self.model(), state));

@@ -119,6 +119,32 @@ def test_settings_out_of_range_are_told_when_the_model_is_built():
         scene.add_object("free", *lum.make_sphere(0.01, 2), moves="free")
 
 
+@pytest.mark.parametrize("name, wrong, error, takes", [
+    ("effort", -1, ValueError, "a whole number"), ("effort", 1.5, TypeError, "a whole number"),
+    ("effort", None, TypeError, "a whole number"), ("max_candidates", 2**32, ValueError, "a whole number"),
+    ("stiffness", "x", TypeError, "a number"), ("pad_damping", None, TypeError, "a number"),
+    ("ground", 1, TypeError, "a Ground or None"), ("law", 5, TypeError, "a string"),
+    ("felt_once", None, TypeError, "a string"),
+])
+def test_a_property_names_itself_and_what_it_takes(name, wrong, error, takes):
+    with pytest.raises(error, match=f"^{name} takes {takes}"):
+        setattr(lum.Scene(), name, wrong)
+
+
+def test_a_state_of_another_kind_is_refused_by_name(session):
+    with pytest.raises(TypeError, match="^state takes a State"):
+        session.state = 5
+
+
+def test_words_that_are_none_are_told_with_those_that_are():
+    with pytest.raises(ValueError, match="no law: field, column, max-depth, centroid or point"):
+        lum.Scene().law = "x"
+    with pytest.raises(ValueError, match="no felt_once: never, by-samples or always"):
+        lum.Scene().felt_once = "x"
+    with pytest.raises(ValueError, match="no instruction set: auto, scalar"):
+        lum.Model(ball_scene(), isa="x")
+
+
 @pytest.mark.parametrize("name", ["friction", "kinetic_friction", "viscosity", "shear_stiffness"])
 @pytest.mark.parametrize("wrong", [np.nan, -1.0])
 def test_a_material_that_makes_no_sense_is_refused(name, wrong):
