@@ -57,6 +57,40 @@ TEST(Tick, AnyNumberOfThreadsGivesTheSameBits) {
   }
 }
 
+// [m] How far outside a round primitive, about.
+double distance_outside(const Primitive& primitive, Vec3 p) {
+  double least = std::numeric_limits<double>::infinity();
+  for (int i = 0; i <= 500; ++i) {
+    const double t = i / 500.0;
+    const double radius = (1 - t) * primitive.radius1 + t * primitive.radius2;
+    least = min(least, norm(p - (1 - t) * primitive.end1 - t * primitive.end2) - radius);
+  }
+  return least;
+}
+
+// Triangles that a segment all but misses have areas of nothing but rounding.
+TEST(Tick, RecordsOfContactsLieInTheirSegments) {
+  Scene scene = test::mug_scene(Law::field);
+  scene.objects = {{"ball", make_sphere(0.037, 60)}};
+  const Model model = test::model_of(scene);
+  Scratch scratch = make_scratch(model);
+  test::Random random(10);
+  std::size_t count = 0;
+  for (DeviceFrame frame : test::grasp_frames(scene.hand, 20)) {
+    for (float& angle : frame.angle) angle += static_cast<float>(random.between(-0.4, 0.4));
+    frame.base.position += random.in_box(0.02);
+    State state = make_state(model);
+    tick(model, state, scratch, frame);
+    for (const Contact& contact : find_contacts(model, scratch)) {
+      const Primitive& primitive = scratch.primitives->primitive[contact.primitive];
+      if (primitive.shape != Shape::round) continue;
+      ++count;
+      EXPECT_LT(distance_outside(primitive, contact.centroid), 1e-6) << contact.area << " m^2";
+    }
+  }
+  EXPECT_GT(count, 1000u);
+}
+
 std::atomic<int> allocations{0};
 
 // In ticks along a grasp, and Jacobians after them.

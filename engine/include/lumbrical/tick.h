@@ -137,9 +137,10 @@ ActuatorFrame tick(const Model& model, State& state, Scratch& scratch, const Dev
 /// The contact records behind the last tick on `scratch`: of every law and rung, also of those that need none
 /// for their forces and leave them out of Scratch::contacts (sampled segments); those are then computed here,
 /// by the exact rung, and stand in `scratch` until the next tick. Together they push as hard as the hand was,
-/// to the segments' precision. Takes as long as an exact tick, and a millisecond more where several bodies of
-/// the hand touch the same triangles, of what is felt once. Empty where that tick's frame could not be
-/// trusted, or where there are more pairs than Settings::max_candidates.
+/// to the segments' precision; those of no area but rounding's are left out. Takes as long as an exact tick,
+/// and a millisecond more where several bodies of the hand touch the same triangles, of what is felt once.
+/// Empty where that tick's frame could not be trusted, or where there are more pairs than
+/// Settings::max_candidates.
 std::span<const Contact> find_contacts(const Model& model, Scratch& scratch);
 
 /// The same of one of Model::apart, in its frame O, which stood at ObjectOutput::pose; Contact::triangle

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "base/floating_point.h"
+#include "model/corners.h"
 #include "model/felt_surface.h"
 #include "objects/body_motion.h"
 #include "objects/object_forces.h"
@@ -166,10 +167,28 @@ void find_exact_contacts(const Model& model, Scratch& scratch) {
   find_all_contacts(model, scratch);
 }
 
-std::span<const Contact> with_depths(const Model& model, Scratch& scratch) {
-  for (std::uint32_t i = 0; i < scratch.contact_count; ++i)
-    scratch.contacts[i].depth = contact_depth(model, scratch, scratch.contacts[i]);
-  return {scratch.contacts.data(), scratch.contact_count};
+// Is this part of a triangle nothing but rounding's, where the segment only just misses it? It may lie beside
+// the segment then, at any depth. Of half a million parts those had at most 2e-14 of this square.
+bool is_rounding(const Model& model, const Primitives& hand, const Contact& contact) {
+  constexpr double kNothing = 1e-12;
+  const auto [a, b, c] = corners_of(model.triangles, contact.triangle);
+  const Primitive& primitive = hand.primitive[contact.primitive];
+  const double edge = max(norm(b - a), max(norm(c - b), norm(a - c)));
+  const double extent = min(edge, max(primitive.radius1, primitive.radius2));
+  return !(contact.area > kNothing * extent * extent);
+}
+
+// What the tick has found, as others are to see it.
+std::span<const Contact> records(const Model& model, Scratch& scratch) {
+  const FloatingPointGuard guard;
+  std::uint32_t count = 0;
+  for (std::uint32_t i = 0; i < scratch.contact_count; ++i) {
+    if (is_rounding(model, *scratch.primitives, scratch.contacts[i])) continue;
+    Contact& contact = scratch.contacts[count++] = scratch.contacts[i];
+    contact.depth = contact_depth(model, scratch, contact);
+  }
+  scratch.contact_count = count;
+  return {scratch.contacts.data(), count};
 }
 
 // From an object's frame into W.
@@ -194,7 +213,7 @@ std::span<const Contact> find_contacts(const Model& model, Scratch& scratch) {
     tile_hand(model.settings, *scratch.primitives);
     find_exact_contacts(model, scratch);
   }
-  return with_depths(model, scratch);
+  return records(model, scratch);
 }
 
 std::span<const Contact> find_contacts(const Model& model, Scratch& scratch, std::size_t object) {
@@ -215,7 +234,7 @@ std::span<const Contact> find_contacts(const Model& model, Scratch& scratch, std
     }
   }
   find_exact_contacts(shape, own);
-  return with_depths(shape, own);
+  return records(shape, own);
 }
 
 double contact_depth(const Model& model, const Scratch& scratch, const Contact& contact) {
