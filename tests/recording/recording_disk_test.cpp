@@ -46,8 +46,8 @@ TEST(FullDisk, IsToldAtOnceWhereverItStrikesAndLeavesWholeChunks) {
   write_recording(whole_path, small_scene(), records);
   const std::uint64_t whole = std::filesystem::file_size(whole_path);
   std::uint64_t without_file = 0, without_tick = 0, with_ticks = 0;
-  constexpr std::uint64_t kSteps = 40;
-  for (std::uint64_t step = 0; step < kSteps; step += sanitized_step(3)) {
+  constexpr std::uint64_t kSteps = 40 / sanitized_step(3);
+  for (std::uint64_t step = 0; step < kSteps; ++step) {
     const std::uint64_t room = (step * whole + step) / kSteps;
     SCOPED_TRACE("full after " + std::to_string(room) + " bytes");
     const std::string path = temporary_path("full.mcap");
