@@ -82,12 +82,11 @@ test("The camera begins, and by its key comes back, before the hand and what it 
   lift.objects.push({ name: "table", plane: { extent: 1.6, cells: 8 }, position: [0.7, 0, -0.001] });
   writeFileSync(file("large.json"), JSON.stringify(lift));
   execFileSync(program, ["run", file("large.json"), "--ticks", "5600", "--record", file("large.mcap")]);
-  for (const [name, wanted] of [["lift", 5500], ["large", 5500], ["large", 2500]]) {
+  for (const [name, wanted] of [["lift", 5500], ["large", 2500]]) {
     const address = await serve("view", file(`${name}.mcap`), "--no-browser");
     await open(at(address, wanted));
     await atTick(wanted);
     assert.ok(await isInTheMiddle(kHeld), `${name}, tick ${wanted}`);
-    await shot(`framed ${name} ${wanted}`);
     if (name === "lift") continue;
     await open(`${at(address, wanted)}&camera=0.5,-0.9,0.5,0,0,0`);
     await atTick(wanted);
