@@ -339,11 +339,11 @@ bool parse(int count, char** words, Options& options) {
     if (name == "--pairs")
       is_read = read_number(value, kMostPairs, options.pairs);
     else if (name == "--seed")
-      is_read = read_number(value, UINT64_MAX, options.seed);
+      is_read = read_number_or_0(value, UINT64_MAX, options.seed);
     else if (name == "--threads")
       is_read = read_number(value, 1024u, options.threads);
     else if (name == "--check")
-      is_read = read_number(value, kMostPairs, options.check);
+      is_read = read_number_or_0(value, kMostPairs, options.check);
     else if (name == "--out")
       options.out = value;
     else
