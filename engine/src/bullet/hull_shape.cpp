@@ -96,8 +96,8 @@ double volume_of(const btConvexHullComputer& hull) {
   return std::fabs(sum);
 }
 
-// Three corners of each triangle, about the first.
-std::vector<btVector3> corners_of(const Triangles& triangles, const std::vector<std::uint32_t>& part) {
+// Three of each triangle.
+std::vector<btVector3> points_of(const Triangles& triangles, const std::vector<std::uint32_t>& part) {
   std::vector<btVector3> corners;
   for (const std::uint32_t t : part) {
     for (const std::uint32_t corner : {triangles.a[t], triangles.b[t], triangles.c[t]}) {
@@ -129,9 +129,9 @@ std::vector<std::uint32_t> take_convex_parts(const Triangles& triangles, HullSha
   for (std::uint32_t t = 0; t < triangles.size(); ++t) part[parts.find(triangles.a[t])].push_back(t);
   std::vector<std::uint32_t> others;
   for (const std::vector<std::uint32_t>& one : part) {
-    const std::vector<btVector3> corners = corners_of(triangles, one);
-    if (one.empty() || one.size() > kMostTriangles || !is_convex(corners) ||
-        !add_hull(corners, false, convex))
+    const bool may_be = !one.empty() && one.size() <= kMostTriangles;
+    const std::vector<btVector3> points = may_be ? points_of(triangles, one) : std::vector<btVector3>();
+    if (!may_be || !is_convex(points) || !add_hull(points, false, convex))
       others.insert(others.end(), one.begin(), one.end());
   }
   return others;

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "base/vector6.h"
 #include "bullet/hull_shape.h"
 
 namespace lumbrical {
@@ -50,14 +51,6 @@ Eigen6 eigen_of(Matrix6 a) {
   }
   for (std::size_t k = 0; k < 6; ++k) eigen.values[k] = a[k][k];
   return eigen;
-}
-
-using Vector6 = std::array<double, 6>;
-
-double dot6(const Vector6& a, const Vector6& b) {
-  double sum = 0;
-  for (std::size_t i = 0; i < 6; ++i) sum += a[i] * b[i];
-  return sum;
 }
 
 // A body's main axes, to move along and to turn about, W; and the roots of its mass for each, in SI units.

@@ -5,11 +5,10 @@
 #include <utility>
 
 #include "base/elementary.h"
+#include "base/vector6.h"
 
 namespace lumbrical {
 namespace {
-
-using Vector6 = std::array<double, 6>;  // three of translation, three of rotation
 
 constexpr double kPi = 3.141592653589793;
 constexpr std::array<Vec3, 3> kAxis = {Vec3{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
@@ -17,11 +16,6 @@ constexpr std::array<Vec3, 3> kAxis = {Vec3{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
 Vector6 vector_of(Vec3 a, Vec3 b) { return {a.x, a.y, a.z, b.x, b.y, b.z}; }
 Vector6 vector_of(const Twist& twist) { return vector_of(twist.velocity, twist.angular_velocity); }
 
-double dot6(const Vector6& a, const Vector6& b) {
-  double sum = 0;
-  for (std::size_t i = 0; i < 6; ++i) sum += a[i] * b[i];
-  return sum;
-}
 Vector6 times(const Matrix6& matrix, const Vector6& v) {
   Vector6 result;
   for (std::size_t i = 0; i < 6; ++i) result[i] = dot6(matrix[i], v);
