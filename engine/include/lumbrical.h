@@ -170,26 +170,26 @@ typedef struct lumbrical_object {
   size_t triangle_count;
   lumbrical_pose pose;     /* of the mesh in W, at the start */
   double static_friction;  /* 0 .. 10, between skin and it: 0 */
-  double kinetic_friction; /* 0 .. static_friction */
+  double kinetic_friction; /* 0 .. static_friction, and not by itself that: 0, so what slides is slippery */
   double viscosity;        /* [s/m] 0 .. 100: 0 */
   double shear_stiffness;  /* [N/m] 1 .. 1e6: 1000 */
   /* ---- of what moves by itself, and where one likes of GIVEN; the mesh must be closed */
-  double density; /* [kg/m^3] of the solid inside the mesh; or */
-  double mass;    /* [kg] of all of it */
-  double damping; /* [N s/m], [N m s/rad]: 0 */
+  double density; /* [kg/m^3] of the solid inside the mesh, 0.001 .. 1e5; or */
+  double mass;    /* [kg] of all of it, 1e-6 .. 1e6 */
+  double damping; /* [N s/m], [N m s/rad] 0 .. 1e6: 0 */
   /* ---- of HINGE, SLIDER and BALL; the coordinate is the hinge's angle or the slider's way from the start */
-  double pivot[3];       /* in W, at the start */
-  double axis[3];        /* unit, in W */
-  double lower, upper;   /* of the coordinate: -1000, 1000 */
-  double spring, rest;   /* [N/m], [N m/rad], and the coordinate where it is slack: 0, 0 */
-  double dry_friction;   /* [N], [N m]: 0 */
-  double detent_force;   /* [N], [N m]: 0 */
-  double detent_pitch;   /* from one detent to the next: 0.1 */
+  double pivot[3];       /* [m] in W, at the start; not by itself the object's position: 0 0 0 */
+  double axis[3];        /* unit, in W: 0 0 1 */
+  double lower, upper;   /* of the coordinate, -1000 .. 0 and 0 .. 1000: -1000, 1000 */
+  double spring, rest;   /* [N/m], [N m/rad] 0 .. 1e9, and where it is slack, -1000 .. 1000: 0, 0 */
+  double dry_friction;   /* [N], [N m] 0 .. 1e6: 0 */
+  double detent_force;   /* [N], [N m] 0 .. 1e6: 0 */
+  double detent_pitch;   /* from one detent to the next, 1e-6 .. 1000: 0.1 */
   int32_t has_latch;     /* 0; else of HINGE and SLIDER: the coordinate stays at 0 and below until ... */
   uint32_t latch_object; /* ... this other HINGE or SLIDER, in the order they are added, ... */
-  double latch_opens;    /* ... has this coordinate, > 0 */
+  double latch_opens;    /* ... has this coordinate, 1e-9 .. 1000 */
   /* ---- how it feels beside its shape */
-  double crease_angle;            /* [rad] triangles that meet at less are felt as something round: 0, none */
+  double crease_angle;            /* [rad] 0 .. pi, triangles that meet at less are felt as round: 0, none */
   const double* friction_factors; /* 0 .. 10, of all triangle_count, also of a mesh_file's; null: 1 */
   lumbrical_texture grip;         /* friction factor, too, 0 .. 10 */
   lumbrical_texture bumps;        /* [m] height, -1 .. 1: its slope tilts the force */
@@ -198,26 +198,26 @@ typedef struct lumbrical_object {
 /* What decides results, besides hand and objects. */
 typedef struct lumbrical_settings {
   uint32_t size;
-  uint32_t effort;                      /* 0: as much as it takes; one cell a patch is the least */
-  uint32_t max_candidates;              /* 262144 */
+  uint32_t effort;                      /* 0 .. 1e9, 0: as much as it takes; one cell a patch is the least */
+  uint32_t max_candidates;              /* 1 .. 16777216: 262144 */
   int32_t has_ground;                   /* 0: free objects fall for ever */
   int32_t law[LUMBRICAL_SEGMENTS];      /* FIELD */
   double precision[LUMBRICAL_SEGMENTS]; /* 0 exact, its finger too, or 1e-6 .. 0.1 of the force: 1e-4 */
-  double stiffness;                     /* [N/m^3] 2e7 */
-  double rate;                          /* [Hz] ticks per second of session time: 1000 */
-  double point_area;                    /* [m^2] of POINT: 1e-4 */
-  double max_force;                     /* [N] of a segment: 20 */
-  double fade_time;                     /* [s] 0.02 */
+  double stiffness;                     /* [N/m^3] 0.001 .. 1e15: 2e7 */
+  double rate;                          /* [Hz] ticks per second of session time, 1 .. 100000: 1000 */
+  double point_area;                    /* [m^2] of POINT, 1e-12 .. 1: 1e-4 */
+  double max_force;                     /* [N] of a segment, 0 .. 1e6: 20 */
+  double fade_time;                     /* [s] 0 .. 60: 0.02 */
   double proxy_stiffness;  /* [N/m] to a hand that surfaces hold, 10 .. 1e5; 0: there is none. 0 */
   double pad_from[2];      /* share of the radius, 0.01 .. 0.99, the shallower first: 0 */
-  double pad_stiffness[2]; /* times `stiffness` that skin is harder beyond; 0: no layer. 0 */
+  double pad_stiffness[2]; /* times `stiffness` that skin is harder beyond, -1000 .. 1000; 0: no layer. 0 */
   double pad_damping;      /* [s/m] 0 .. 1000: 0 */
   double gravity[3];       /* [m/s^2] W: 0 0 -9.81 */
   double ground_normal[3]; /* unit, away from it: 0 0 1 */
   double ground_offset;    /* [m] ground_normal . p = ground_offset on it: 0 */
-  double ground_friction;  /* 0.5 */
+  double ground_friction;  /* 0 .. 10: 0.5 */
   int32_t felt_once; /* what several fingers, or fingers and palm, hold together is felt by the deepest only:
-                        BY_SAMPLES */
+                        BY_SAMPLES; ALWAYS needs FIELD and one rung for all segments */
 } lumbrical_settings;
 
 /* How work is done; never changes a result. */
@@ -334,7 +334,8 @@ LUMBRICAL_API int lumbrical_frame_init(lumbrical_frame* frame);
 /* ---- Scenes
  * ----------------------------------------------------------------------------------------------------- */
 
-/* An empty world and an adult's hand, `hand_length` [m] from wrist to middle fingertip (0.19). */
+/* An empty world and an adult's hand, `hand_length` [m] from wrist to middle fingertip, 0.05 .. 0.5
+ * (0.19). */
 LUMBRICAL_API int lumbrical_scene_create(int32_t side, double hand_length, lumbrical_scene** scene);
 /* A scene file (JSON) with the meshes and the motion it names. Refuses one of two hands, with paths of given
  * objects or with physics: those are for `lumbrical run`. */
@@ -343,7 +344,7 @@ LUMBRICAL_API void lumbrical_scene_destroy(lumbrical_scene* scene);
 LUMBRICAL_API int lumbrical_scene_add_object(lumbrical_scene* scene, const lumbrical_object* object);
 LUMBRICAL_API int lumbrical_scene_settings(lumbrical_scene* scene, lumbrical_settings* settings);
 LUMBRICAL_API int lumbrical_scene_set_settings(lumbrical_scene* scene, const lumbrical_settings* settings);
-/* [m] LUMBRICAL_JOINTS distances from joint to skin. */
+/* [m] LUMBRICAL_JOINTS distances from joint to skin, 1e-6 .. 1000. */
 LUMBRICAL_API int lumbrical_scene_set_radii(lumbrical_scene* scene, const double* radii);
 /* Radii and palm from an XrHandJointLocationsEXT (see lumbrical_frame_from_openxr) that shows the whole hand.
  */

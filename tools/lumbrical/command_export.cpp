@@ -96,7 +96,7 @@ void add_export(Command& app, int& exit_code) {
       ->add_option(
           "--columns", switches->columns,
           "Columns with one of these words in their names, such as force, angle, all; default: of pose, "
-          "forces, flexion torques, flags and contacts those that vary")
+          "forces, flexion torques, flags, contacts and where objects are those that vary")
       ->list()
       ->type_name("WORD[,WORD]");
   command->add_option("--segments", switches->segments, "Only these segments, such as \"index distal\",palm")

@@ -72,9 +72,9 @@ enum TickFlag : std::uint32_t {
   kObjectMissing = 1u << 11,  ///< a given object was not told where it is, and stays. Pass a pose for each
   kObjectImplausible =
       1u << 12,  ///< a given object's pose is not finite, or jumped: forces fade to zero. Check who moves it
-  kMemoryForeign =
-      1u << 13,  ///< Scratch or State are another model's, or empty: nothing was computed, forces fade to
-                 ///< zero. make_scratch and make_state of this model; with assertions a tick ends there
+  kMemoryForeign = 1u << 13,  ///< Scratch is another model's or empty, or State has another number of objects
+                              ///< apart: nothing was computed, forces fade to zero. make_scratch and
+                              ///< make_state of this model; with assertions a tick ends there
   kHandJumped = 1u << 14,  ///< the wrist or a fingertip went farther in a tick than a hand can: forces pass
                            ///< over to those of the new place within Settings::fade_time
 };

@@ -130,7 +130,7 @@ struct Transport {
   TransportKind kind = TransportKind::tcp;
   std::string host = "127.0.0.1";
   std::uint16_t port = 502;
-  bool anywhere = false;  ///< may lie outside loopback and private networks
+  bool anywhere = false;  ///< may lie outside loopback and private networks, of udp outside this machine
   std::string region;     ///< of shared memory, "/name"
   std::string line;       ///< "/dev/ttyUSB0"
   std::uint32_t baud = 115200;
@@ -140,20 +140,22 @@ struct Transport {
 
 /// Times of the safety envelope [s].
 struct SafetyTimes {
-  double fade = 0.05;         ///< from any output to safe values
-  double soft_start = 0.5;    ///< from zero to full output after arming
-  double tick_hold = 0.005;   ///< no new tick for longer: the output fades
-  double tick_timeout = 0.1;  ///< no new tick for longer: fault
+  double fade = 0.05;         ///< from any output to safe values, 0.001 .. 1
+  double soft_start = 0.5;    ///< from zero to full output after arming, 0 .. 60
+  double tick_hold = 0.005;   ///< no new tick for longer: the output fades, 0.0001 .. 1, tick_timeout at most
+  double tick_timeout = 0.1;  ///< no new tick for longer: fault, 0.001 .. 10
   /// Nothing acknowledged for longer: disconnected. No longer than the device's own watchdog holds a force.
+  /// 0.001 .. 10
   double answer_timeout = 0.1;
 };
 
 /// What one joint of the device is like: decides how stiff it may be rendered.
 struct JointDynamics {
-  double inertia = 0;       ///< [kg m^2] about the joint, of device and finger
-  double damping = 0;       ///< [N m s/rad]
-  double friction = 0;      ///< [N m] Coulomb
-  double encoder_step = 0;  ///< [rad] 0: not known; else no finer than a count of the register (angle_step)
+  double inertia = 0;   ///< [kg m^2] about the joint, of device and finger, 0 .. 1
+  double damping = 0;   ///< [N m s/rad] 0 .. 1e3
+  double friction = 0;  ///< [N m] Coulomb, 0 .. 1e3
+  double encoder_step =
+      0;  ///< [rad] up to 1; 0: not known; else no finer than a count of the register (angle_step)
 };
 
 struct DeviceProfile {
@@ -162,10 +164,12 @@ struct DeviceProfile {
   bool verified = false;     ///< on hardware
   std::optional<Side> side;  ///< the hand it drives, and no other; none: either
   Transport transport;
-  double rate = 100;                         ///< [Hz] largest number of exchanges per second
-  double response_timeout = 0.05;            ///< [s] for the answer to one request, answer_timeout at most
-  double first_retry = 0.1, last_retry = 2;  ///< [s] pause before reconnecting; doubles in between
-  double read_back = 0.1;   ///< [s] between looks at whether the commands still are ours; 0: none
+  double rate =
+      100;  ///< [Hz] largest number of exchanges per second, above 1 / answer_timeout, at most 20000
+  double response_timeout = 0.05;  ///< [s] for the answer to one request, 0.001 .. answer_timeout
+  /// [s] Pause before reconnecting, which doubles from one to the other, 0.001 .. 60 and .. 600.
+  double first_retry = 0.1, last_retry = 2;
+  double read_back = 0.1;   ///< [s] between looks at whether commands are ours, 0.01 .. 10; 0: none
   bool read_write = false;  ///< FC23 in the place of FC16 and a read, where both are one block of one unit
   int read_function = 3;    ///< 3 holding registers or 4 input registers
   std::vector<Actuator> actuators;

@@ -100,9 +100,9 @@ struct Hand {
   Pose palm_joint;  ///< X_HP: the palm joint in the wrist frame (joint-angle input)
 };
 
-/// An adult hand whose wrist and middle fingertip are `length` [m] apart when all angles are zero. Radii are
-/// Quest's defaults at 0.19 m and scale with the length. The left hand is the exact mirror image of the right
-/// one.
+/// An adult hand whose wrist and middle fingertip are `length` [m] > 0 apart when all angles are zero. Radii
+/// are Quest's defaults at 0.19 m and scale with the length. The left hand is the exact mirror image of the
+/// right one.
 Hand default_hand(Side side, double length = 0.19);
 
 /// The same hand for the other side: reflected in the yz-plane of the wrist.

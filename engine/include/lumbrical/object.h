@@ -28,7 +28,7 @@ inline constexpr std::size_t kMostSceneObjects = 1u << 15;
 /// Dry friction between a hand's skin and an object. All zero: none, and it costs nothing.
 struct Material {
   double static_friction = 0;     ///< mu_s, 0 .. 10, at rest
-  double kinetic_friction = 0;    ///< mu_k, 0 .. mu_s, sliding
+  double kinetic_friction = 0;    ///< mu_k, 0 .. mu_s, sliding; it does not follow mu_s by itself
   double viscosity = 0;           ///< [s/m] 0 .. 100: what mu grows by with the speed of sliding
   double shear_stiffness = 1000;  ///< [N/m] 1 .. 1e6, of a segment's skin sideways while it sticks
   friend bool operator==(const Material&, const Material&) = default;
@@ -74,7 +74,7 @@ Status check_weight(Mobility mobility, double density, double mass);
 /// opened may be shut at any time, and is caught.
 struct Latch {
   std::uint32_t object = kNone;  ///< in Scene::objects: the handle, a hinge or slider
-  double opens = 0;              ///< [rad] or [m] of the handle's coordinate, > 0
+  double opens = 0;              ///< [rad] or [m] of the handle's coordinate, 1e-9 .. 1e3
   static constexpr std::uint32_t kNone = 0xffffffff;
   friend bool operator==(const Latch&, const Latch&) = default;
 };
@@ -84,17 +84,17 @@ struct Latch {
 struct Mechanism {
   Mobility mobility = Mobility::fixed;
   MassProperties body;  ///< of all but fixed; mass > 0. Of given: zero, unless a physics engine moves it
-  double damping = 0;   ///< of a hinge or slider [N s/m], [N m s/rad]; of others of their rotation, too
+  double damping = 0;   ///< of a hinge or slider [N s/m], [N m s/rad]; of others of their rotation; 0 .. 1e6
   // ---- of a hinge, slider or ball
-  Vec3 pivot;          ///< [m] in W, at the start
+  Vec3 pivot;          ///< [m] in W, at the start; not by itself where the object is
   Vec3 axis{0, 0, 1};  ///< unit, in W; not of a ball
   // ---- of a hinge or slider
-  double lower = -1e3, upper = 1e3;  ///< of q; there it stops dead
-  double spring = 0;                 ///< [N/m], [N m/rad]
-  double rest = 0;                   ///< q where the spring is slack
-  double dry_friction = 0;           ///< [N], [N m]
-  double detent_force = 0;           ///< [N], [N m] most that holds it in a detent
-  double detent_pitch = 0.1;         ///< from one detent to the next, one of them at q = 0; > 0
+  double lower = -1e3, upper = 1e3;  ///< of q, -1e3 .. 0 and 0 .. 1e3; there it stops dead
+  double spring = 0;                 ///< [N/m], [N m/rad] 0 .. 1e9
+  double rest = 0;                   ///< q where the spring is slack, -1e3 .. 1e3
+  double dry_friction = 0;           ///< [N], [N m] 0 .. 1e6
+  double detent_force = 0;           ///< [N], [N m] most that holds it in a detent, 0 .. 1e6
+  double detent_pitch = 0.1;         ///< from one detent to the next, one of them at q = 0; 1e-6 .. 1e3
   Latch latch{};
   friend bool operator==(const Mechanism&, const Mechanism&) = default;
 };

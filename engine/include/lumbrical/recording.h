@@ -72,8 +72,9 @@ struct RecorderOptions {
   /// Every so many ticks the recording also holds the posed hand, contact points, and hand, forces and
   /// objects as a scene, for programs that draw them; 0: never. They are computed by the recorder's thread,
   /// from `models`. With a proxy they are of the proxy, and record() needs `after`; where the ring for states
-  /// is full in live mode, they are left out. Objects that take more than 16 MiB are refused; more contact
-  /// points of a tick than that (299,000) end the recording with an error.
+  /// is full in live mode, they are left out. Objects that take more than 16 MiB are refused, and
+  /// contact points of a world file; more of them in a tick than 16 MiB (299,000) end the recording with an
+  /// error.
   std::uint32_t pose_interval = 0, contact_interval = 0, scene_interval = 0;
   std::vector<const Model*> models;  ///< of the hands, while the recorder is open; needed for intervals only
   std::optional<Hand> second_hand;   ///< of a session of two hands on one world, of the other side
