@@ -299,16 +299,18 @@ TEST(SampledRung, ABentFingersTipKeepsItsForceWhereItLooksAtTheFirstPhalanx) {
   EXPECT_GT(felt, 0.1);
 }
 
-// A phalanx of no length, or one whose larger end holds the other: a sphere, which points no way.
-TEST(SampledRung, AFingerOfWhichAPhalanxIsASphereIsFeltAsExactly) {
+// A phalanx of no length, or one whose larger end holds the other: a sphere, which points no way. One that is
+// nearly that, behind which lies much of its neighbour.
+TEST(SampledRung, AFingerOfWhichAPhalanxIsASphereOrNearlyIsFeltAsExactly) {
   struct Shape {
     std::array<double, 3> length;  // [mm]
     std::array<double, 4> radius;  // [mm]
   };
-  const Shape shapes[] = {{{40, 0, 25}, {8, 8, 8, 8}},    {{0, 40, 25}, {8, 8, 8, 8}},
-                          {{40, 25, 0}, {8, 8, 8, 8}},    {{0, 0, 40}, {8, 8, 8, 8}},
-                          {{3.9, 30, 20}, {12, 8, 8, 7}}, {{30, 3, 20}, {9, 8, 12, 9}},
-                          {{30, 20, 3}, {8, 8, 8, 12}}};
+  const Shape shapes[] = {
+      {{40, 0, 25}, {8, 8, 8, 8}},    {{0, 40, 25}, {8, 8, 8, 8}},    {{40, 25, 0}, {8, 8, 8, 8}},
+      {{0, 0, 40}, {8, 8, 8, 8}},     {{3.9, 30, 20}, {12, 8, 8, 7}}, {{30, 3, 20}, {9, 8, 12, 9}},
+      {{30, 20, 3}, {8, 8, 8, 12}},   {{30, 3, 20}, {8, 9, 11.9, 8}}, {{30, 3, 20}, {8, 11.9, 9, 8}},
+      {{30, 20, 3}, {8, 8, 9, 11.9}}, {{3, 30, 20}, {11.9, 9, 8, 7}}, {{27, 4.3, 33}, {6.6, 7, 11.2, 9.7}}};
   Random random(31);
   for (const Shape& shape : shapes) {
     Hand hand = plain_hand(0.001 * shape.radius[0]);

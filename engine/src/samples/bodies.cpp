@@ -50,10 +50,15 @@ bool set_tile(const Primitive& phalanx, Vec3 direction, Vec3 origin, TileFrame& 
   return turned;
 }
 
+// Places tell as fields do, but behind a tile's other end, which is near the joint where a tile is short.
+bool is_short(const TileFrame& tile) { return tile.cosine * tile.length < tile.radius; }
+
 JointSides sides_of(const TileFrame& inner, bool inner_turned, const TileFrame& outer, bool outer_turned) {
-  const bool by_field = inner.length == 0 || outer.length == 0;
-  return {inner_turned ? 1.0f : -1.0f, inner_turned ? 0.0f : inner.length, outer_turned ? -1.0f : 1.0f,
-          outer_turned ? outer.length : 0.0f, by_field ? 1.0f : 0.0f};
+  constexpr float kPlacesShare = 1.0f / 16;  // where fields tell: they are the same round the joint's sphere
+  const bool is_sphere = inner.length == 0 || outer.length == 0;
+  const float by_place = is_sphere ? 0 : is_short(inner) || is_short(outer) ? kPlacesShare : 1;
+  return {inner_turned ? by_place : -by_place, inner_turned ? 0.0f : inner.length,
+          outer_turned ? -by_place : by_place, outer_turned ? outer.length : 0.0f, 1 - by_place};
 }
 
 // Phalanges `first` .. `last`, each beside the next.

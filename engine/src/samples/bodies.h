@@ -27,12 +27,12 @@ struct TileFrame {
 };
 
 /// What two neighbouring tiles are told apart by: how far along its own axis, away from the joint they share,
-/// the nearest part of each of them is. A sphere has no such axis: where one of the two is that, their fields
-/// tell.
+/// the nearest part of each of them is. Beside a short tile their fields tell, and places only where those are
+/// the same.
 struct JointSides {
-  float inner_sign, inner_place;  ///< [m] of the joint on the inner tile's axis
-  float outer_sign, outer_place;  ///< [m] on the outer one's
-  float by_field;                 ///< 1: their fields tell, 0: their places
+  float inner_sign, inner_place;  ///< which way that is, times what places count; [m] of the joint
+  float outer_sign, outer_place;  ///< the same on the outer tile's axis
+  float by_field;                 ///< what fields count
 };
 
 /// Up to three phalanges that follow each other.

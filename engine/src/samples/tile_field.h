@@ -182,7 +182,7 @@ inline V side_of_joint(const JointNumbers<V>& joint, const TileNumbers<V>& inner
                        const TileNumbers<V>& outer, TileClaim<V> by_outer) {
   const V from_inner = joint.inner_sign * (by_inner.place - inner.cosine * joint.inner_place);
   const V from_outer = joint.outer_sign * (by_outer.place - outer.cosine * joint.outer_place);
-  return select(joint.by_field > number<V>(0), by_outer.field - by_inner.field, from_outer - from_inner);
+  return (from_outer - from_inner) + joint.by_field * (by_outer.field - by_inner.field);
 }
 template <class V>
 inline JointNumbers<V> numbers_of(const JointSides& joint) {
