@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "bullet/flat_faces.h"
 #include "bullet/hull_shape.h"
 #include "bullet/skin_springs.h"
 #include "objects/move_on.h"
@@ -119,17 +120,16 @@ void add_still_mesh(const Triangles& triangles, const Pose& pose, double frictio
   const std::vector<std::uint32_t> others = take_convex_parts(triangles, still.convex);
   if (!still.convex.hulls.empty()) add_still(*still.convex.whole, pose, friction, bodies);
   if (others.empty()) return;
-  for (std::uint32_t i = 0; i < triangles.x.size(); ++i) {
-    const Vec3 p = kUnitsPerMetre * triangles.vertex(i);
-    still.points.insert(still.points.end(), {p.x, p.y, p.z});
-  }
-  for (const std::uint32_t t : others) {
-    for (const std::uint32_t corner : {triangles.a[t], triangles.b[t], triangles.c[t]})
-      still.corners.push_back(static_cast<int>(corner));
+  const Mesh mesh = with_whole_faces(triangles, others);
+  for (const Vec3 p : mesh.vertices)
+    still.points.insert(still.points.end(),
+                        {kUnitsPerMetre * p.x, kUnitsPerMetre * p.y, kUnitsPerMetre * p.z});
+  for (const Triangle& t : mesh.triangles) {
+    for (const std::uint32_t corner : t) still.corners.push_back(static_cast<int>(corner));
   }
   still.arrays = std::make_unique<btTriangleIndexVertexArray>(
-      static_cast<int>(others.size()), still.corners.data(), static_cast<int>(3 * sizeof(int)),
-      static_cast<int>(triangles.x.size()), still.points.data(), static_cast<int>(3 * sizeof(btScalar)));
+      static_cast<int>(mesh.triangles.size()), still.corners.data(), static_cast<int>(3 * sizeof(int)),
+      static_cast<int>(mesh.vertices.size()), still.points.data(), static_cast<int>(3 * sizeof(btScalar)));
   still.shape = std::make_unique<btBvhTriangleMeshShape>(still.arrays.get(), true);
   still.shape->setMargin(0);
   add_still(*still.shape, pose, friction, bodies);

@@ -4,6 +4,7 @@
 
 #include <string>
 
+#include "model/convex_hull.h"
 #include "model/hand_from_positions.h"
 
 namespace lumbrical {

@@ -2,12 +2,15 @@
 // centimetre, which is enough for the palm, the only part that is felt there.
 #include "model/hand_from_positions.h"
 
+#include "model/convex_hull.h"
+
 namespace lumbrical {
 namespace {
 
 constexpr double kCarpalDepth = 0.37;   // of the way from the wrist to the knuckles, where metacarpals begin
 constexpr double kCarpalSpread = 0.85;  // of the knuckles' distance from the hand's midline
 constexpr double kWristBehindCarpals = 0.56;  // in lengths of the middle metacarpal
+constexpr double kHair = 1e-9;                // [m^2] corners of a palm that stand out by less (convex_hull)
 constexpr double kFlatCorner = 0.02;  // of the palm's thickness: corners of its core that stand out by less
 constexpr double kWristBehindKnuckle = 2.2;  // in lengths of the middle finger's proximal phalanx
 
@@ -111,29 +114,6 @@ void orient_phalanges(int first, Vec3 rest_axis, const Axes& palm, const HandPoi
   poses[first + 3] = {points.position[first + 3], poses[first + 2].orientation};
 }
 
-// Andrew's monotone chain in the xz-plane; corners within a hair of a straight line are left out.
-std::vector<Vec3> convex_hull(std::vector<Vec3> points) {
-  const auto before = [](Vec3 a, Vec3 b) { return a.x < b.x || (a.x == b.x && a.z < b.z); };
-  for (std::size_t i = 1; i < points.size();
-       ++i) {  // insertion sort: at most 16 points, and ties are equal points
-    for (std::size_t j = i; j > 0 && before(points[j], points[j - 1]); --j)
-      std::swap(points[j], points[j - 1]);
-  }
-  constexpr double kHair = 1e-9;  // [m^2]
-  std::vector<Vec3> hull;
-  for (int pass = 0; pass < 2; ++pass) {
-    const std::size_t start = hull.size();
-    for (std::size_t i = 0; i < points.size(); ++i) {
-      const Vec3 p = pass == 0 ? points[i] : points[points.size() - 1 - i];
-      while (hull.size() >= start + 2 && turn(hull[hull.size() - 2], hull.back(), p) <= kHair)
-        hull.pop_back();
-      hull.push_back(p);
-    }
-    hull.pop_back();  // it begins the other half
-  }
-  return hull;
-}
-
 // What of a convex polygon (counter-clockwise in the sense of `turn`) is farther than `inset` [m] from every
 // edge.
 std::vector<Vec3> moved_in(const std::vector<Vec3>& polygon, double inset) {
@@ -223,11 +203,11 @@ std::vector<Vec3> fit_palm_polygon(const std::array<Pose, kJointCount>& X_BJ,
       corners.push_back(p + half_width);
     }
   }
-  const std::vector<Vec3> outline = convex_hull(std::move(corners));
+  const std::vector<Vec3> outline = convex_hull(std::move(corners), kHair);
   if (outline.size() < 3) return {};
   for (double inset = 0.5 * thickness; inset > 1e-3 * thickness; inset *= 0.5) {
     std::vector<Vec3> core = moved_in(outline, inset);
-    if (core.size() >= 3) core = convex_hull(std::move(core));
+    if (core.size() >= 3) core = convex_hull(std::move(core), kHair);
     leave_out_flat_corners(kFlatCorner * thickness, core);
     if (core.size() >= 3) return core;
   }

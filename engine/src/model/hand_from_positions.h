@@ -32,9 +32,6 @@ Pose pose_along(Vec3 position, Vec3 forward, Vec3 dorsal);
 /// Midway between the middle finger's metacarpal and proximal joints, with the orientation of the former.
 Pose palm_between(const Pose& middle_metacarpal, const Pose& middle_proximal);
 
-/// Twice the area of the triangle in the xz-plane: positive where c lies left of the way from a to b.
-inline double turn(Vec3 a, Vec3 b, Vec3 c) { return (b.x - a.x) * (c.z - a.z) - (b.z - a.z) * (c.x - a.x); }
-
 /// The core of a palm `thickness` [m] thick (Palm::polygon): the convex outline of the four fingers'
 /// metacarpals, as broad as their knuckles, moved inwards by half the thickness, so that the skin is where
 /// the outline was; by less where nothing would be left of it. Empty where the joints span no area. `radius`

@@ -1,0 +1,17 @@
+// Convex polygons in the xz-plane; y goes along.
+#pragma once
+
+#include <vector>
+
+#include "lumbrical/math.h"
+
+namespace lumbrical {
+
+/// Twice the area of the triangle in the xz-plane: positive where c lies left of the way from a to b.
+inline double turn(Vec3 a, Vec3 b, Vec3 c) { return (b.x - a.x) * (c.z - a.z) - (b.z - a.z) * (c.x - a.x); }
+
+/// The corners of the convex hull of points, counterclockwise in the sense of `turn`, without those that
+/// stand out by less than `hair` [m^2] of it.
+std::vector<Vec3> convex_hull(std::vector<Vec3> points, double hair);
+
+}  // namespace lumbrical
