@@ -107,53 +107,65 @@ JointArray finite_or_zero(JointArray values) {
   return values;
 }
 
-}  // namespace
+// What commands do: command = base + range * x, where x is each one's share of its range.
+struct Effects {
+  int size = 0;
+  std::array<JointArray, kMaxActuators> torque{};  // of command i per unit
+  ActuatorArray base{}, range{};
+  JointArray rest{};  // what is left for x to do
+};
 
-ActuatorSolution solve_actuators(const DeviceProfile& profile, const JointArray& wanted_any,
-                                 const JointArray& speed_any) {
-  const JointArray wanted = finite_or_zero(wanted_any), speed = finite_or_zero(speed_any);
-  Problem problem;
-  problem.size = static_cast<int>(profile.actuators.size());
-  std::array<JointArray, kMaxActuators> effect{};  // torque of command i per unit
-  ActuatorArray base{}, range{};                   // command = base + range * x
-  JointArray rest = wanted;                        // what is left for x to do
-  for (int i = 0; i < problem.size; ++i) {
+Effects effects_of(const DeviceProfile& profile, const JointArray& wanted, const JointArray& speed) {
+  Effects effects;
+  effects.size = static_cast<int>(profile.actuators.size());
+  effects.rest = wanted;
+  auto& [size, torque, base, range, rest] = effects;
+  for (int i = 0; i < size; ++i) {
     const Actuator& actuator = profile.actuators[i];
     const bool brake = actuator.drive == Drive::brake;
     const double sense = brake ? brake_sense(actuator, wanted, speed) : 1;
     base[i] = actuator.drive == Drive::wire ? actuator.preload : actuator.lower;
     range[i] = actuator.upper - base[i];
     for (std::size_t j = 0; j < kPhalanxCount; ++j) {
-      effect[i][j] = sense * (brake ? std::fabs(actuator.arm[j]) : actuator.arm[j]);
-      rest[j] -= effect[i][j] * base[i];
+      torque[i][j] = sense * (brake ? std::fabs(actuator.arm[j]) : actuator.arm[j]);
+      rest[j] -= torque[i][j] * base[i];
     }
   }
+  return effects;
+}
 
-  for (int i = 0; i < problem.size; ++i) {
-    for (int k = 0; k < problem.size; ++k) {
+Problem normal_equations(const Effects& effects) {
+  const auto& [size, torque, base, range, rest] = effects;
+  Problem problem;
+  problem.size = size;
+  for (int i = 0; i < size; ++i) {
+    for (int k = 0; k < size; ++k) {
       for (std::size_t j = 0; j < kPhalanxCount; ++j) {
-        problem.hessian[i][k] += effect[i][j] * range[i] * effect[k][j] * range[k];
+        problem.hessian[i][k] += torque[i][j] * range[i] * torque[k][j] * range[k];
       }
     }
-    for (std::size_t j = 0; j < kPhalanxCount; ++j) problem.gradient[i] += effect[i][j] * range[i] * rest[j];
+    for (std::size_t j = 0; j < kPhalanxCount; ++j) problem.gradient[i] += torque[i][j] * range[i] * rest[j];
     const double weight = kPreferSmall * problem.hessian[i][i] + 1e-24;
     problem.hessian[i][i] += weight;
     // A motor's smallest command is no torque, not its lower end: the little weight pulls it there.
     const double nothing = range[i] > 0 ? clamp(-base[i] / range[i], 0, 1) : 0;
     problem.gradient[i] += weight * nothing;
   }
-  ActuatorArray share{};
-  solve(problem, share);
+  return problem;
+}
 
+ActuatorSolution solution_of(const DeviceProfile& profile, const JointArray& wanted, const Effects& effects,
+                             const ActuatorArray& share) {
   ActuatorSolution solution;
   JointArray tied{};
-  for (int i = 0; i < problem.size; ++i) {
+  for (int i = 0; i < effects.size; ++i) {
     const Actuator& actuator = profile.actuators[i];
-    solution.command[i] = clamp(base[i] + range[i] * share[i], base[i], actuator.upper);
+    const double base = effects.base[i];
+    solution.command[i] = clamp(base + effects.range[i] * share[i], base, actuator.upper);
     const bool low_end = share[i] <= 0 && actuator.drive == Drive::motor;
     if (share[i] >= 1 || low_end) solution.saturated |= 1u << i;
     for (std::size_t j = 0; j < kPhalanxCount; ++j) {
-      solution.torque[j] += effect[i][j] * solution.command[i];
+      solution.torque[j] += effects.torque[i][j] * solution.command[i];
       tied[j] += std::fabs(actuator.arm[j]);
     }
   }
@@ -165,6 +177,17 @@ ActuatorSolution solve_actuators(const DeviceProfile& profile, const JointArray&
   }
   solution.lost_norm = std::sqrt(squares);
   return solution;
+}
+
+}  // namespace
+
+ActuatorSolution solve_actuators(const DeviceProfile& profile, const JointArray& wanted_any,
+                                 const JointArray& speed_any) {
+  const JointArray wanted = finite_or_zero(wanted_any), speed = finite_or_zero(speed_any);
+  const Effects effects = effects_of(profile, wanted, speed);
+  ActuatorArray share{};
+  solve(normal_equations(effects), share);
+  return solution_of(profile, wanted, effects, share);
 }
 
 }  // namespace lumbrical

@@ -204,6 +204,33 @@ void put_local_models(const DeviceFrame& frame, const JointArray& wanted, const 
   }
 }
 
+JointArray wanted_torque(const ActuatorFrame& output, const HapticLoop& loop) {
+  JointArray wanted;
+  for (std::size_t j = 0; j < kPhalanxCount; ++j) wanted[j] = loop.level[j / 3] * output.flexion_torque[j];
+  return wanted;
+}
+
+// What the accounts of the fingers can't pay is taken off their levels.
+void pay_for(const JointArray& wanted, double dt, HapticLoop& loop) {
+  if (loop.fresh) book_energy(wanted, loop);
+  for (std::size_t f = 0; f < kFingerCount; ++f) {
+    const std::array<double, 3> torque = {wanted[3 * f], wanted[3 * f + 1], wanted[3 * f + 2]};
+    const double share = pay(loop.certificate, f, torque, dt, loop.account[f]);
+    loop.least_share[f] = min(loop.least_share[f], share);
+    loop.level[f] *= share;
+  }
+}
+
+void keep_least_levels(const ActuatorFrame& output, std::int64_t now, HapticLoop& loop) {
+  const std::array<double, kFingerCount> least = least_levels(output, now, kAccountLetGo, loop);
+  loop.letting_go = false;
+  for (std::size_t f = 0; f < kFingerCount; ++f) {
+    loop.level[f] = max(loop.level[f], least[f]);
+    const bool above = loop.level[f] > loop.gain * loop.limiter.factor[f];
+    loop.letting_go = loop.letting_go || (above && touch_of(output, f) > 0);
+  }
+}
+
 void keep_newest(const SentCommand& sent, LoopStep& step) {
   if (step.sent_count == kMaxSentPerTick) {
     std::copy(step.sent.begin() + 1, step.sent.end(), step.sent.begin());
@@ -320,28 +347,12 @@ DeviceCommand command_forces(const Model& model, Scratch& scratch, const DeviceF
   }
   const bool touching = output.contact_count > 0;
   if (loop.options.gaps && loop.options.feedback) weigh_gap(now, dt, touching, loop);
-  JointArray wanted;
-  std::array<double, kFingerCount> least = least_levels(output, now, kLetGo, loop);
+  const std::array<double, kFingerCount> least = least_levels(output, now, kLetGo, loop);
   for (std::size_t f = 0; f < kFingerCount; ++f)
     loop.level[f] = max(loop.gain * loop.limiter.factor[f], least[f]);
-  for (std::size_t j = 0; j < kPhalanxCount; ++j) wanted[j] = loop.level[j / 3] * output.flexion_torque[j];
-  if (angles && loop.certified && keeps_accounts(loop)) {
-    if (loop.fresh) book_energy(wanted, loop);
-    for (std::size_t f = 0; f < kFingerCount; ++f) {
-      const std::array<double, 3> torque = {wanted[3 * f], wanted[3 * f + 1], wanted[3 * f + 2]};
-      const double share = pay(loop.certificate, f, torque, dt, loop.account[f]);
-      loop.least_share[f] = min(loop.least_share[f], share);
-      loop.level[f] *= share;
-    }
-  }
-  least = least_levels(output, now, kAccountLetGo, loop);
-  loop.letting_go = false;
-  for (std::size_t f = 0; f < kFingerCount; ++f) {
-    loop.level[f] = max(loop.level[f], least[f]);
-    const bool above = loop.level[f] > loop.gain * loop.limiter.factor[f];
-    loop.letting_go = loop.letting_go || (above && touch_of(output, f) > 0);
-  }
-  for (std::size_t j = 0; j < kPhalanxCount; ++j) wanted[j] = loop.level[j / 3] * output.flexion_torque[j];
+  if (angles && loop.certified && keeps_accounts(loop)) pay_for(wanted_torque(output, loop), dt, loop);
+  keep_least_levels(output, now, loop);
+  const JointArray wanted = wanted_torque(output, loop);
   keep_levels(output, loop);
   loop.fresh = false;
   for (std::size_t f = 0; f < kFingerCount; ++f)
