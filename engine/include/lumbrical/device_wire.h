@@ -55,6 +55,7 @@ struct Patience {
   double usual = 0.05;
   double hurried = 0.05;        ///< once `hurry` says so, from then on
   std::function<bool()> hurry;  ///< asked every millisecond; may be empty
+  [[nodiscard]] double limit() const { return hurry && hurry() ? hurried : usual; }
 };
 
 /// Called by one thread, that of the sink. Nothing may throw but std::bad_alloc.

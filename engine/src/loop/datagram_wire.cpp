@@ -113,8 +113,7 @@ Status DatagramWire::connect_next() {
 // False: it is too late for one.
 bool DatagramWire::await_datagram(std::int64_t begun) const {
   for (;;) {
-    const bool hurry = patience.hurry && patience.hurry();
-    const double left = (hurry ? patience.hurried : patience.usual) - in_seconds(steady_ns() - begun);
+    const double left = patience.limit() - in_seconds(steady_ns() - begun);
     if (left <= 0) return false;
     pollfd waiting{file_, POLLIN, 0};
     const timespec glance{0, static_cast<long>(1e9 * std::min(left, 0.001))};

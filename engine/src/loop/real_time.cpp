@@ -11,6 +11,7 @@
 #include <cstring>
 
 #include "base/steady_clock.h"
+#include "loop/scheduling.h"
 
 namespace lumbrical {
 namespace {
@@ -34,6 +35,8 @@ std::vector<int> allowed_cpus() {
   return cpus;
 }
 
+}  // namespace
+
 bool stay_on(std::span<const int> cpus) {
   cpu_set_t set;
   CPU_ZERO(&set);
@@ -41,7 +44,11 @@ bool stay_on(std::span<const int> cpus) {
   return pthread_setaffinity_np(pthread_self(), sizeof set, &set) == 0;
 }
 
-}  // namespace
+int take_priority(int priority) {
+  sched_param parameter{};
+  parameter.sched_priority = priority;
+  return pthread_setschedparam(pthread_self(), SCHED_FIFO, &parameter);
+}
 
 RealTime enter_real_time(int priority, Pinning pinning, std::span<const std::byte> pageable) {
   RealTime real_time;
@@ -53,9 +60,7 @@ RealTime enter_real_time(int priority, Pinning pinning, std::span<const std::byt
     real_time.refused.push_back(std::string("memory is not locked (") + std::strerror(errno) +
                                 "): ticks may wait for pages; raise ulimit -l");
   }
-  sched_param parameter{};
-  parameter.sched_priority = priority;
-  if (const int error = pthread_setschedparam(pthread_self(), SCHED_FIFO, &parameter); error == 0) {
+  if (const int error = take_priority(priority); error == 0) {
     real_time.priority = priority;
   } else {
     real_time.refused.push_back(std::string("no real-time priority (") + std::strerror(error) +

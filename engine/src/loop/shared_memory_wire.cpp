@@ -119,9 +119,7 @@ WireResult SharedMemoryWire::exchange(const WireCommand& command, WireAnswer& an
   answer.asked = steady_ns();
   lumbrical_shared_write(&region_->command_turn, region_->command, &told, sizeof told);
   while (!take_answer(command.cycle, answer)) {
-    const bool hurry = patience.hurry && patience.hurry();
-    const double waited = in_seconds(steady_ns() - answer.asked);
-    if (waited > (hurry ? patience.hurried : patience.usual)) return missed();
+    if (in_seconds(steady_ns() - answer.asked) > patience.limit()) return missed();
     nanosleep(&kGlance, nullptr);
   }
   return {};

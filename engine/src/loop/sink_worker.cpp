@@ -1,8 +1,6 @@
 // See sink_worker.h.
 #include "loop/sink_worker.h"
 
-#include <pthread.h>
-#include <sched.h>
 #include <signal.h>
 
 #include <algorithm>
@@ -11,6 +9,7 @@
 #include <new>
 #include <utility>
 
+#include "loop/scheduling.h"
 #include "lumbrical/real_time.h"
 
 namespace lumbrical {
@@ -42,20 +41,13 @@ void DeviceSink::Worker::set_up_thread() {
   sigfillset(&signals);
   for (const int own : {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGTRAP, SIGSYS}) sigdelset(&signals, own);
   pthread_sigmask(SIG_BLOCK, &signals, nullptr);
-  if (options.priority > 0) {
-    sched_param parameter{};
-    parameter.sched_priority = options.priority;
-    if (pthread_setschedparam(pthread_self(), SCHED_FIFO, &parameter) != 0) {
-      tell("no real-time priority for the sink's thread: not permitted");
-    }
-  }
-  if (options.cpu >= 0) {
-    cpu_set_t set;
-    CPU_ZERO(&set);
-    CPU_SET(static_cast<std::size_t>(options.cpu), &set);
-    if (pthread_setaffinity_np(pthread_self(), sizeof set, &set) != 0)
-      tell("the sink's thread could not be pinned");
-  }
+  if (options.priority > 0 && take_priority(options.priority) != 0)
+    tell("no real-time priority for the sink's thread: not permitted");
+  if (options.cpu >= 0 && !stay_on({&options.cpu, 1})) tell("the sink's thread could not be pinned");
+}
+
+double DeviceSink::Worker::longer_retry() const {
+  return retry == 0 ? profile.first_retry : std::min(2 * retry, profile.last_retry);
 }
 
 void DeviceSink::Worker::connect() {
@@ -76,7 +68,7 @@ void DeviceSink::Worker::connect() {
     return;
   }
   problem("not connected: " + status.message());
-  retry = retry == 0 ? profile.first_retry : std::min(2 * retry, profile.last_retry);
+  retry = longer_retry();
   next_try = steady_ns() + in_ns(retry);
 }
 
@@ -111,7 +103,7 @@ void DeviceSink::Worker::lose(std::string why) {
   problem(std::move(why));
   // The first try follows at once, the others ever later.
   next_try = retry == 0 ? 0 : steady_ns() + in_ns(retry);
-  retry = retry == 0 ? profile.first_retry : std::min(2 * retry, profile.last_retry);
+  retry = longer_retry();
 }
 
 void DeviceSink::Worker::take_command() {
@@ -319,6 +311,28 @@ void DeviceSink::Worker::count(bool acknowledged, std::int64_t now) {
   if (span > 0) report.rate = static_cast<double>(report.acknowledged - rate_count[0]) / in_seconds(span);
 }
 
+// True: the device has acknowledged it.
+bool DeviceSink::Worker::exchange_and_note(const SafetyOutput& output) {
+  const std::int64_t sent = steady_ns();
+  commanded = output.command;
+  ++cycle_count;
+  if (!output.at_safe_values && !options.dry_run) safe = false;  // it may arrive even if its reply does not
+  const bool acknowledged = exchange_with(output);
+  standing = acknowledged;
+  const std::int64_t now = steady_ns();
+  if (acknowledged) {
+    exchange = in_seconds(now - sent);
+    take_feedback(now);
+    last_answer = now;
+    lost_answered = running.lost;
+    has_answered = true;
+    retry = 0;
+    last_problem.clear();
+  }
+  remember(output, sent, acknowledged ? now : 0);
+  return acknowledged;
+}
+
 // One cycle. True: the device has acknowledged safe values with its control word off.
 bool DeviceSink::Worker::cycle() {
   // While forces act, an emergency stop is answered soon or the link is closed: the device's watchdog acts
@@ -341,25 +355,9 @@ bool DeviceSink::Worker::cycle() {
     for (std::size_t i = 0; i < profile.actuators.size(); ++i) output.command[i] = profile.actuators[i].safe;
     output.device_on = false;
   }
-  const std::int64_t sent = steady_ns();
   bool acknowledged = false;
   if (connected && handshaken) {
-    commanded = output.command;
-    ++cycle_count;
-    if (!output.at_safe_values && !options.dry_run) safe = false;  // it may arrive even if its reply does not
-    acknowledged = exchange_with(output);
-    standing = acknowledged;
-    const std::int64_t now = steady_ns();
-    if (acknowledged) {
-      exchange = in_seconds(now - sent);
-      take_feedback(now);
-      last_answer = now;
-      lost_answered = running.lost;
-      has_answered = true;
-      retry = 0;
-      last_problem.clear();
-    }
-    remember(output, sent, acknowledged ? now : 0);
+    acknowledged = exchange_and_note(output);
   } else {
     remember_change(output.flags);
   }

@@ -95,6 +95,7 @@ struct DeviceSink::Worker {
   void set_up_thread();
   void tell(std::string text);
   void problem(std::string text);
+  [[nodiscard]] double longer_retry() const;
   void connect();
   bool greet();
   void disconnect();
@@ -107,6 +108,7 @@ struct DeviceSink::Worker {
   SafetyOutput decide(std::int64_t now);
   void look_back();
   bool exchange_with(const SafetyOutput& output);
+  bool exchange_and_note(const SafetyOutput& output);
   void tell_doubts(const DeviceFeedback& feedback);
   void take_angles(DeviceFeedback& feedback) const;
   void take_feedback(std::int64_t now);
