@@ -15,6 +15,7 @@
 
 #include "base/system_status.h"
 #include "files/output_file.h"
+#include "recording/mcap_writer.h"
 
 namespace lumbrical {
 
@@ -181,7 +182,7 @@ Status load_chunk(const InputFile& file, const RecordPlace& place, std::vector<s
   if (Status status = read_content(file, place, content); !status.ok()) return status;
   Chunk& header = chunk.header;
   if (!parse(content, header)) return file.broken(place.offset, "the chunk is shorter than it declares");
-  if (header.compression != "lz4" && header.compression != "zstd" && !header.compression.empty())
+  if (!is_known_compression(header.compression))
     return file.broken(place.offset,
                        "the chunk's compression is unknown; only lz4, zstd and none can be read");
   if (header.uncompressed_size > kLargestChunk)
@@ -242,17 +243,19 @@ Status read_start(const InputFile& file, Header& header, std::uint64_t& data_sta
   return {};
 }
 
-Status read_summary(const InputFile& file, Summary& summary, bool& present) {
-  present = false;
+namespace {
+
+// The file's last bytes, its footer and where that is. One that names no summary where there is none.
+Status find_footer(const InputFile& file, std::vector<std::uint8_t>& tail, Footer& footer,
+                   std::uint64_t& footer_at) {
+  footer = {};
   constexpr std::uint64_t kTail = kRecordHeaderSize + kFooterContentSize + kMagic.size();
   if (file.size() < kMagic.size() + kTail) return {};
-  std::vector<std::uint8_t> tail;
-  const std::uint64_t footer_at = file.size() - kTail;
+  footer_at = file.size() - kTail;
   if (Status status = file.read(footer_at, kTail, tail); !status.ok()) return status;
   if (!is_magic(Bytes(tail).last(kMagic.size()))) return {};
   ByteReader in(tail);
   const bool is_footer = static_cast<Opcode>(in.u8()) == Opcode::footer && in.u64() == kFooterContentSize;
-  Footer footer;
   if (!is_footer || !parse(in.take(kFooterContentSize), footer))
     return file.broken(footer_at, "the file has no whole footer; recover rebuilds it");
   if (footer.summary_start == 0) return {};
@@ -261,6 +264,18 @@ Status read_summary(const InputFile& file, Summary& summary, bool& present) {
   if (footer.summary_offset_start != 0 &&
       (footer.summary_offset_start < footer.summary_start || footer.summary_offset_start > footer_at))
     return file.broken(footer_at, "the footer points outside the summary; recover rebuilds it");
+  return {};
+}
+
+}  // namespace
+
+Status read_summary(const InputFile& file, Summary& summary, bool& present) {
+  present = false;
+  std::vector<std::uint8_t> tail;
+  Footer footer;
+  std::uint64_t footer_at = 0;
+  if (Status status = find_footer(file, tail, footer, footer_at); !status.ok()) return status;
+  if (footer.summary_start == 0) return {};
 
   summary.start = footer.summary_start;
   summary.offset_start = footer.summary_offset_start;

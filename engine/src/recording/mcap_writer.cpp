@@ -58,6 +58,8 @@ Compression compression_named(std::string_view name) {
   return name == "lz4" ? Compression::lz4 : Compression::none;
 }
 
+bool is_known_compression(std::string_view name) { return name == compression_text(compression_named(name)); }
+
 Status McapWriter::write(Bytes bytes) {
   if (Status status = file_.write(bytes); !status.ok()) return status;
   crc_ = crc32(crc_, bytes);

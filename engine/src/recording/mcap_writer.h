@@ -21,6 +21,8 @@ struct McapWriterOptions {
   std::size_t last_channel = 0;            ///< of messages of one time, which share a chunk, its comes last
 };
 
+/// Those that can be written can be read, and no others.
+bool is_known_compression(std::string_view name);
 /// By the name MCAP gives it.
 Compression compression_named(std::string_view name);
 

@@ -44,8 +44,7 @@ bool begins_record(Bytes head, std::uint64_t room, RecordPlace& place) {
     const std::uint64_t start_time = fields.u64();
     if (fields.u64() < start_time) return false;
     fields.take(sizeof(std::uint64_t) + sizeof(std::uint32_t));  // uncompressed size, checksum
-    const std::string compression = fields.text();
-    if (compression != "lz4" && compression != "zstd" && !compression.empty()) return false;
+    if (!is_known_compression(fields.text())) return false;
     payload = fields.u64();
   } else if (place.opcode == Opcode::attachment) {
     fields.take(2 * sizeof(std::uint64_t));  // times
