@@ -59,17 +59,13 @@ std::string utc_text() {
   return std::string(text.data()) + fraction.data();
 }
 
-double parse_metres(const std::string& unit) {
-  return unit.empty() ? 0 : unit == "mm" ? 0.001 : unit == "cm" ? 0.01 : 1;
-}
-
 Status load(const RunOptions& options, SceneFile& scene_file) {
   MotionOverride motion;
   motion.file = options.motion;
   motion.rate = options.motion_rate.value_or(0);
   motion.both = options.side == "both";
   if (!motion.both) motion.side = parse_side(options.side);
-  motion.unit = parse_metres(options.unit);
+  if (const auto unit = parse_unit(options.unit)) motion.unit = metres_per(*unit);
   motion.align = parse_alignment(options.align);
   if (Status status = load_scene_file(options.scene, scene_file, motion); !status.ok()) return status;
   Settings& settings = scene_file.scene.settings;

@@ -8,6 +8,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string_view>
 #include <vector>
@@ -56,6 +57,10 @@ std::string_view joint_name(int joint);
 std::string_view segment_name(int segment);
 /// "thumb", "index", "middle", "ring", "little".
 std::string_view finger_name(int finger);
+/// The number that has this name; nothing for any other text.
+std::optional<int> parse_joint(std::string_view text);
+std::optional<int> parse_segment(std::string_view text);
+std::optional<int> parse_finger(std::string_view text);
 
 /// Joint angles of the kinematic hand: per finger 4f+0 abduction and 4f+1..4f+3 flexion of its three joints
 /// from base to tip, all [rad]. Flexion by a turns the bones beyond the joint about the joint's x axis by -a,

@@ -24,6 +24,7 @@ enum class Unit : std::uint8_t { metre, centimetre, millimetre };
 
 /// "m", "cm" or "mm"; nothing for any other text.
 std::optional<Unit> parse_unit(std::string_view text);
+double metres_per(Unit unit);
 
 /// Reads OBJ, STL (binary or ASCII, whatever its header claims), PLY (ASCII, both endians), OFF or glTF 2
 /// (.glb, or .gltf with files beside it; builds with nlohmann-json); the format is told by the content first

@@ -66,9 +66,8 @@ int ProfileReader::name(const flatbuffers::String* text, const std::string& path
 }
 
 int ProfileReader::joint(const flatbuffers::String* text, const std::string& path) {
-  for (int s = 0; s < kPhalanxCount && text != nullptr; ++s) {
-    if (text->string_view() == segment_name(s)) return s;
-  }
+  const std::optional<int> segment = parse_segment(text_of(text));
+  if (segment && *segment < kPhalanxCount) return *segment;
   read_.error(path, R"(must be a finger joint such as "index proximal" or "thumb metacarpal")");
   return 0;
 }

@@ -31,6 +31,11 @@ struct JsonSchema {
   const char* root;  ///< the table
 };
 
+/// Of a field that may be absent: empty then.
+inline std::string_view text_of(const flatbuffers::String* text) {
+  return text != nullptr ? text->string_view() : std::string_view();
+}
+
 /// Reads a file of at most 16 MiB and parses it as the root of the schema.
 Status read_json_file(const std::string& path, const JsonSchema& schema, JsonFile& file);
 

@@ -49,19 +49,15 @@ void read_segments(const format::Settings& table, FieldReader& read, Settings& s
   for (flatbuffers::uoffset_t i = 0; i < table.segments()->size(); ++i) {
     const format::SegmentSettings& entry = *table.segments()->Get(i);
     const std::string path = "settings.segments[" + std::to_string(i) + "]";
-    int segment = 0;
-    while (segment < kSegmentCount &&
-           (entry.segment() == nullptr || entry.segment()->string_view() != segment_name(segment))) {
-      ++segment;
-    }
-    if (segment == kSegmentCount) {
+    const std::optional<int> segment = parse_segment(text_of(entry.segment()));
+    if (!segment) {
       read.error(path + ".segment", "is not a hand segment; use \"index distal\", \"palm\" or the like");
     } else if (entry.law() == nullptr && !entry.precision()) {
       read.error(path, "has neither a law nor a precision");
-    } else if (std::exchange(told[static_cast<std::size_t>(segment)], true)) {
+    } else if (std::exchange(told[static_cast<std::size_t>(*segment)], true)) {
       read.error(path + ".segment", "is told a second time; keep one entry of each segment");
     } else {
-      const auto number = static_cast<std::size_t>(segment);
+      const auto number = static_cast<std::size_t>(*segment);
       read_law(entry.law(), path + ".law", read, settings.law[number]);
       read.zero_or_number(entry.precision(), path + ".precision", range::precision,
                           settings.precision[number]);

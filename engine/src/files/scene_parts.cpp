@@ -2,6 +2,7 @@
 #include "files/scene_parts.h"
 
 #include <filesystem>
+#include <optional>
 #include <utility>
 
 #include "files/scene_mechanics.h"
@@ -156,16 +157,12 @@ void read_fingers(const format::Hand& table, const std::string& at, FieldReader&
   for (flatbuffers::uoffset_t i = 0; i < table.fingers()->size(); ++i) {
     const format::Finger& entry = *table.fingers()->Get(i);
     const std::string path = at + "fingers[" + std::to_string(i) + "]";
-    std::size_t f = 0;
-    while (f < kFingerCount &&
-           (entry.name() == nullptr || entry.name()->string_view() != finger_name(static_cast<int>(f)))) {
-      ++f;
-    }
-    if (f == kFingerCount) {
+    const std::optional<int> number = parse_finger(text_of(entry.name()));
+    if (!number) {
       read.error(path + ".name", R"(must be "thumb", "index", "middle", "ring" or "little")");
       return;
     }
-    Finger& finger = hand.finger[f];
+    Finger& finger = hand.finger[static_cast<std::size_t>(*number)];
     read.pose(entry.base_position(), path + ".base_position", entry.base_orientation(),
               path + ".base_orientation", finger.base);
     read.numbers(entry.bone_length(), path + ".bone_length", {0, 1}, finger.bone_length);
@@ -198,18 +195,6 @@ Unit read_unit(const flatbuffers::String* text, const std::string& path, FieldRe
   const auto unit = parse_unit(text->string_view());
   if (!unit) read.error(path, R"(must be "m", "cm" or "mm")");
   return unit.value_or(Unit::metre);
-}
-
-double metres_per(Unit unit) {
-  switch (unit) {
-    case Unit::millimetre:
-      return 0.001;
-    case Unit::centimetre:
-      return 0.01;
-    case Unit::metre:
-      break;
-  }
-  return 1;
 }
 
 Status read_objects(const format::Scene& scene, FieldReader& read, std::vector<std::string>& files,
@@ -259,16 +244,12 @@ void read_flesh(const format::Hand* table, const std::string& at, FieldReader& r
   for (flatbuffers::uoffset_t i = 0; table->radii() != nullptr && i < table->radii()->size(); ++i) {
     const format::JointRadius& entry = *table->radii()->Get(i);
     const std::string path = at + "radii[" + std::to_string(i) + "]";
-    std::size_t joint = 0;
-    while (joint < kJointCount && (entry.joint() == nullptr ||
-                                   entry.joint()->string_view() != joint_name(static_cast<int>(joint)))) {
-      ++joint;
-    }
-    if (joint == kJointCount) {
+    const std::optional<int> joint = parse_joint(text_of(entry.joint()));
+    if (!joint) {
       return read.error(path + ".joint", "is not a joint; use \"index tip\", \"wrist\" or the like");
     }
     if (!entry.radius().has_value()) return read.error(path, "has no radius");
-    read.number(entry.radius(), path + ".radius", {1e-4, 0.2}, hand.radius[joint]);
+    read.number(entry.radius(), path + ".radius", {1e-4, 0.2}, hand.radius[static_cast<std::size_t>(*joint)]);
   }
   const format::Palm* const palm = table->palm();
   if (palm == nullptr) return;

@@ -17,7 +17,6 @@ std::string beside(const std::string& file, std::string_view path);
 
 Side read_side(const flatbuffers::String* text, const std::string& path, FieldReader& read);
 Unit read_unit(const flatbuffers::String* text, const std::string& path, FieldReader& read);
-double metres_per(Unit unit);
 
 /// Loads or builds one object after the other, puts it in its place, and hands it and its path over. The
 /// files read are added to `files`, of which the first is the scene's.

@@ -159,6 +159,18 @@ std::optional<Unit> parse_unit(std::string_view text) {
   return std::nullopt;
 }
 
+double metres_per(Unit unit) {
+  switch (unit) {
+    case Unit::millimetre:
+      return 0.001;
+    case Unit::centimetre:
+      return 0.01;
+    case Unit::metre:
+      break;
+  }
+  return 1;
+}
+
 Status parse_mesh(std::string_view content, const std::string& name, Unit unit, Mesh& mesh) {
   return parse_from(content, name, "", unit, mesh);
 }

@@ -67,8 +67,24 @@ std::string_view name_valued(const Names& names, T wanted) {
   return "unknown";
 }
 
+// Of what the engine knows by number.
+template <class Name>
+std::optional<int> number_named(std::string_view text, int count, const Name& name) {
+  for (int number = 0; number < count; ++number) {
+    if (name(number) == text) return number;
+  }
+  return std::nullopt;
+}
+
 }  // namespace
 
+std::optional<int> parse_joint(std::string_view text) { return number_named(text, kJointCount, joint_name); }
+std::optional<int> parse_segment(std::string_view text) {
+  return number_named(text, kSegmentCount, segment_name);
+}
+std::optional<int> parse_finger(std::string_view text) {
+  return number_named(text, kFingerCount, finger_name);
+}
 std::optional<Law> parse_law(std::string_view text) { return value_named(kLawNames, text); }
 std::optional<FeltOnce> parse_felt_once(std::string_view text) { return value_named(kFeltOnceNames, text); }
 std::optional<Broadphase> parse_broadphase(std::string_view text) {

@@ -31,11 +31,7 @@ std::string plain_name(std::string_view text) {
 
 int find_joint(std::string_view text) {
   if (text.size() > 64) return -1;
-  const std::string plain = plain_name(text);
-  for (int j = 0; j < kJointCount; ++j) {
-    if (plain == joint_name(j)) return j;
-  }
-  return -1;
+  return parse_joint(plain_name(text)).value_or(-1);
 }
 
 constexpr std::uint32_t bit(int joint) { return 1u << joint; }
