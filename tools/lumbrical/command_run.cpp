@@ -361,6 +361,43 @@ std::string check_rate(std::string& text) {
   return text == "max" ? std::string() : number_in(1, 100000).fault(text);
 }
 
+void add_record_switches(RunOptions& options, Command& command) {
+  command.add_option("--record", options.record, "Recording to write, where no file is yet")
+      ->check(is_file())
+      ->excludes("--list")
+      ->type_name("OUT.mcap");
+  command
+      .add_option(
+          "--record-forces", options.record_forces,
+          "Ticks whose forces the recording holds, every Nth or none; a replay checks all by their hashes")
+      ->check(Check{check_record_forces, "all|none|N"})
+      ->capture_default_str();
+  struct View {
+    const char* name;
+    std::optional<double>& rate;
+    const char* help;
+  };
+  const View views[] = {
+      {"--record-poses", options.record_poses,
+       "Posed hands a second of session time, recorded as foxglove.PosesInFrame"},
+      {"--record-contacts", options.record_contacts,
+       "Likewise contact points, as foxglove.PointCloud: where, how hard, which segment and triangle"},
+      {"--record-scene", options.record_scene,
+       "Likewise hand, forces and objects for Foxglove's 3D panel, as foxglove.SceneUpdate; 60 is smooth"}};
+  for (const View& view : views) {
+    command.add_option(view.name, view.rate, view.help)
+        ->check(number_in(0.01, 100000))
+        ->needs("--record")
+        ->type_name("RATE");
+  }
+  command
+      .add_option(
+          "--on-record-error", options.on_record_error,
+          "When the recording fails (disk full): stop, or continue unrecorded; exit code 2 either way")
+      ->check(one_of({"stop", "continue"}))
+      ->capture_default_str();
+}
+
 }  // namespace
 
 void add_run(Command& app, int& exit_code) {
@@ -373,43 +410,7 @@ void add_run(Command& app, int& exit_code) {
       ->check(Check{check_rate, "HZ|max"})
       ->excludes("--list")
       ->capture_default_str();
-  command->add_option("--record", options->record, "Recording to write, where no file is yet")
-      ->check(is_file())
-      ->excludes("--list")
-      ->type_name("OUT.mcap");
-  command
-      ->add_option(
-          "--record-forces", options->record_forces,
-          "Ticks whose forces the recording holds, every Nth or none; a replay checks all by their hashes")
-      ->check(Check{check_record_forces, "all|none|N"})
-      ->capture_default_str();
-  command
-      ->add_option("--record-poses", options->record_poses,
-                   "Posed hands a second of session time, recorded as foxglove.PosesInFrame")
-      ->check(number_in(0.01, 100000))
-      ->needs("--record")
-      ->type_name("RATE");
-  command
-      ->add_option(
-          "--record-contacts", options->record_contacts,
-          "Likewise contact points, as foxglove.PointCloud: where, how hard, which segment and triangle")
-      ->check(number_in(0.01, 100000))
-      ->needs("--record")
-      ->type_name("RATE");
-  command
-      ->add_option(
-          "--record-scene", options->record_scene,
-          "Likewise hand, forces and objects for Foxglove's 3D panel, as foxglove.SceneUpdate; 60 is "
-          "smooth")
-      ->check(number_in(0.01, 100000))
-      ->needs("--record")
-      ->type_name("RATE");
-  command
-      ->add_option(
-          "--on-record-error", options->on_record_error,
-          "When the recording fails (disk full): stop, or continue unrecorded; exit code 2 either way")
-      ->check(one_of({"stop", "continue"}))
-      ->capture_default_str();
+  add_record_switches(*options, *command);
   command
       ->add_option(
           "--sink", options->sink,
