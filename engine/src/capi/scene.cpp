@@ -5,6 +5,7 @@
 #include "base/floating_point.h"
 #include "capi/boundary.h"
 #include "capi/convert.h"
+#include "model/ranges.h"
 #include "model/scene_check.h"
 
 using namespace lumbrical;
@@ -268,8 +269,8 @@ int lumbrical_scene_create(int32_t side, double hand_length, lumbrical_scene** s
     if (Fault fault = check_pointer(scene, "scene")) return fault;
     Side which{};
     if (Fault fault = check_enum(side, 2, "side", which)) return fault;
-    if (!(hand_length >= 0.05 && hand_length <= 0.5))
-      return bad_argument("hand_length is out of range: give 0.05 to 0.5 m");
+    if (!range::hand_length.holds(hand_length))
+      return bad_argument("hand_length is out of range: give " + text_of(range::hand_length) + " m");
     auto made = std::make_unique<lumbrical_scene>();
     made->scene.hand = default_hand(which, hand_length);
     *scene = made.release();

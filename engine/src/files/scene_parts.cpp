@@ -232,7 +232,7 @@ Status read_objects(const format::Scene& scene, FieldReader& read, std::vector<s
 
 Hand read_hand(const format::Hand* table, const std::string& at, Side side, FieldReader& read) {
   double length = 0.19;
-  if (table != nullptr) read.number(table->length(), at + "length", {0.05, 0.5}, length);
+  if (table != nullptr) read.number(table->length(), at + "length", range::hand_length, length);
   Hand hand = default_hand(side, length);
   if (table != nullptr) read_fingers(*table, at, read, hand);
   read_flesh(table, at, read, hand);

@@ -18,6 +18,7 @@
 #include "base/ring.h"
 #include "flatbuffers/flatbuffers.h"
 #include "lumbrical/recording.h"
+#include "model/ranges.h"
 #include "recording/hand_views.h"
 #include "recording/record_fields.h"
 #include "recording/scene_views.h"
@@ -90,8 +91,8 @@ Status check_options(const Scene& scene, const RecorderOptions& options) {
   if (options.ring_capacity < 1 || options.ring_capacity > kLargestRing)
     return Status::error("ring_capacity is out of range; choose 1 to " + std::to_string(kLargestRing) +
                          " ticks");
-  if (!(scene.settings.rate >= 1 && scene.settings.rate <= 100000))
-    return Status::error("the scene's rate is out of range; choose 1 to 100000 Hz");
+  if (!range::rate.holds(scene.settings.rate))
+    return Status::error("the scene's rate is out of range; choose " + text_of(range::rate));
   const bool views = options.pose_interval > 0 || options.contact_interval > 0 || options.scene_interval > 0;
   if (views && options.models.size() != (options.second_hand ? 2u : 1u))
     return Status::error("posed hands, contact points and scenes take the models of all hands");

@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "base/message_alignment.h"
+#include "model/ranges.h"
 #include "recording_generated.h"
 
 namespace lumbrical {
@@ -251,8 +252,7 @@ Status decode_settings(const fb::Settings* message, Settings& settings) {
   settings.felt_once = static_cast<FeltOnce>(message->felt_once());
   if (const fb::Pad* const pad = message->pad()) settings.pad = std::bit_cast<Pad>(*pad);
   // Session time is computed from the rate before build_model sees it.
-  if (!(settings.rate >= 1 && settings.rate <= 100000))
-    return Status::error("the session's rate is out of range");
+  if (!range::rate.holds(settings.rate)) return Status::error("the session's rate is out of range");
   return {};
 }
 
