@@ -219,7 +219,7 @@ std::string sealed(std::string file) {
   if (layout.end != file.size() - kPageSize) return file;
   std::vector<std::uint64_t> hashes;
   for (std::uint64_t first = 0; first < layout.offset[kHashes]; first += kHashPiece)
-    hashes.push_back(hash_of_piece(file.data() + first,
+    hashes.push_back(hash_of_bytes(file.data() + first,
                                    std::min<std::uint64_t>(kHashPiece, layout.offset[kHashes] - first)));
   std::memcpy(file.data() + layout.offset[kHashes], hashes.data(), 8 * hashes.size());
   end.content = content_of(end, hashes.data(), hashes.size());

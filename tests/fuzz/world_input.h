@@ -45,7 +45,7 @@ inline std::vector<std::uint8_t> world_from_input(std::span<const std::uint8_t> 
   std::vector<std::uint64_t> hashes;
   const std::uint64_t all = layout.offset[kHashes];
   for (std::uint64_t first = 0; first < all; first += kHashPiece)
-    hashes.push_back(hash_of_piece(file.data() + first, std::min<std::uint64_t>(kHashPiece, all - first)));
+    hashes.push_back(hash_of_bytes(file.data() + first, std::min<std::uint64_t>(kHashPiece, all - first)));
   std::memcpy(file.data() + layout.offset[kHashes], hashes.data(), 8 * hashes.size());
   end.content = content_of(end, hashes.data(), hashes.size());
   std::memcpy(file.data() + layout.end, &end, sizeof(end));

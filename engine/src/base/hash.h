@@ -111,4 +111,10 @@ class Hasher {
   std::uint64_t count_ = 0;  // single words and arrays so far; says which lane is next
 };
 
+inline std::uint64_t hash_of_bytes(const void* data, std::size_t size) {
+  Hasher hasher;
+  hasher.bytes(data, size);
+  return hasher.digest();
+}
+
 }  // namespace lumbrical

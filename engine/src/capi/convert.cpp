@@ -48,8 +48,9 @@ int convert(const char* function, std::int32_t from, std::int32_t to, const Work
   });
 }
 
-template <class Number, std::size_t kSize>
-void convert_in_place(Convention from, Convention to, Quantity quantity, Number (&v)[kSize]) {
+// The three numbers at v.
+template <class Number>
+void convert_in_place(Convention from, Convention to, Quantity quantity, Number* v) {
   const Vec3 result = converted(from, to, quantity, {v[0], v[1], v[2]});
   v[0] = static_cast<Number>(result.x);
   v[1] = static_cast<Number>(result.y);
@@ -201,13 +202,7 @@ int lumbrical_convert_vectors(int32_t from, int32_t to, int32_t quantity, double
     if (Fault fault = check_enum(quantity, 3, "quantity", kind)) return fault;
     if (count > 0)
       if (Fault fault = check_pointer(xyz, "xyz")) return fault;
-    for (std::size_t i = 0; i < count; ++i) {
-      double* const v = xyz + 3 * i;
-      const lumbrical::Vec3 result = converted(a, b, kind, {v[0], v[1], v[2]});
-      v[0] = result.x;
-      v[1] = result.y;
-      v[2] = result.z;
-    }
+    for (std::size_t i = 0; i < count; ++i) convert_in_place(a, b, kind, xyz + 3 * i);
     return {};
   });
 }

@@ -65,16 +65,10 @@ lumbrical_contact to_c(const BuiltModel& built, const NamedContact& named) {
   return out;
 }
 
-std::uint64_t hash_of(std::span<const std::uint8_t> bytes) {
-  Hasher hasher;
-  hasher.array(bytes);
-  return hasher.digest();
-}
-
 // The state's message with its hash before it.
 std::vector<std::uint8_t> snapshot_of(const State& state) {
   const std::vector<std::uint8_t> message = encode_state(state);
-  const std::uint64_t hash = hash_of(message);
+  const std::uint64_t hash = hash_of_bytes(message.data(), message.size());
   std::vector<std::uint8_t> bytes(sizeof hash + message.size());
   std::memcpy(bytes.data(), &hash, sizeof hash);
   std::memcpy(bytes.data() + sizeof hash, message.data(), message.size());
@@ -84,7 +78,8 @@ std::vector<std::uint8_t> snapshot_of(const State& state) {
 Fault read_snapshot(std::span<const std::uint8_t> bytes, State& state) {
   std::uint64_t hash = 0;
   if (bytes.size() > sizeof hash) std::memcpy(&hash, bytes.data(), sizeof hash);
-  if (bytes.size() <= sizeof hash || hash != hash_of(bytes.subspan(sizeof hash)))
+  if (bytes.size() <= sizeof hash ||
+      hash != hash_of_bytes(bytes.data() + sizeof hash, bytes.size() - sizeof hash))
     return {LUMBRICAL_BAD_DATA, "these bytes are no snapshot, or damaged"};
   return decode_state(bytes.subspan(sizeof hash), state);
 }

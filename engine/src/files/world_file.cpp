@@ -215,7 +215,7 @@ Status Check::check_trees(std::uint64_t last) {
 
 Status Check::check_piece(std::uint64_t first, std::uint64_t last) {
   const std::uint64_t* const hashes = items<std::uint64_t>(kHashes);
-  if (hash_of_piece(bytes_ + first, last - first) != hashes[first / kHashPiece])
+  if (hash_of_bytes(bytes_ + first, last - first) != hashes[first / kHashPiece])
     return damaged(first, "up to byte " + std::to_string(last) + " something is damaged");
   for (const WorldSection section : {kX, kY, kZ, kA, kB, kC}) {
     const std::uint64_t begin = layout_.offset[section], end = begin + layout_.bytes[section];

@@ -91,12 +91,6 @@ inline WorldLayout layout_of(const WorldEnd& end) {
   return layout;
 }
 
-inline std::uint64_t hash_of_piece(const void* bytes, std::size_t size) {
-  Hasher hasher;
-  hasher.bytes(bytes, size);
-  return hasher.digest();
-}
-
 inline std::uint64_t content_of(WorldEnd end, const std::uint64_t* hashes, std::size_t count) {
   end.content = 0;
   Hasher hasher;

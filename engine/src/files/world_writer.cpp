@@ -63,7 +63,7 @@ class HashedFile {
 
   Status end_piece() {
     if (piece_.empty()) return {};
-    hashes_.push_back(hash_of_piece(piece_.data(), piece_.size()));
+    hashes_.push_back(hash_of_bytes(piece_.data(), piece_.size()));
     const Status status = flush();
     before_ += piece_.size();
     piece_.clear();

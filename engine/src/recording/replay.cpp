@@ -38,9 +38,7 @@ void name_builds(const RecordingReader& reader, Divergence& divergence) {
 Status session_hash(const Scene& scene, std::uint64_t& hash) {
   std::vector<std::uint8_t> session;
   if (Status status = encode_session(scene, session); !status.ok()) return status;
-  Hasher hasher;
-  hasher.array(session);
-  hash = hasher.digest();
+  hash = hash_of_bytes(session.data(), session.size());
   return {};
 }
 
