@@ -6,7 +6,6 @@
 // of many ticks counts, stage by stage; what is told is the mean over the poses.
 #include <algorithm>
 #include <array>
-#include <chrono>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
@@ -14,6 +13,7 @@
 #include <string>
 #include <vector>
 
+#include "../tools/lumbrical/stage_clock.h"
 #include "hand_scenes.h"
 #include "lumbrical/motion.h"
 #include "lumbrical/shapes.h"
@@ -24,23 +24,8 @@
 namespace lumbrical::bench {
 namespace {
 
-using Clock = std::chrono::steady_clock;
-
 constexpr int kPoses = 16, kTimes = 60;
-constexpr const char* kStages[kStageCount] = {"input", "hand pose", "search", "contacts", "sums", "limits"};
 using Times = std::array<double, kStageCount>;  // [us]
-
-struct Watch {
-  Times times{};
-  Clock::time_point last;
-  static void ended(void* self, Stage stage) {
-    auto& watch = *static_cast<Watch*>(self);
-    const Clock::time_point now = Clock::now();
-    watch.times[static_cast<std::size_t>(stage)] +=
-        std::chrono::duration<double, std::micro>(now - watch.last).count();
-    watch.last = now;
-  }
-};
 
 /// A pose as a session would meet it: the frames up to it are ticked first.
 struct Case {
@@ -54,13 +39,13 @@ Times fastest(const Model& model, const State& before, const DeviceFrame& frame,
   Times least;
   least.fill(std::numeric_limits<double>::max());
   for (int i = 0; i < kTimes; ++i) {
-    Watch watch;
-    scratch.watch = {&Watch::ended, &watch};
+    tool::StageClock clock;
+    scratch.watch = {&tool::StageClock::ended, &clock};
     if (scratch.apart) scratch.apart->watch = scratch.watch;
     State state = before;
-    watch.last = Clock::now();
+    clock.last = tool::StageClock::Clock::now();
     tick(model, state, scratch, frame);
-    for (std::size_t s = 0; s < least.size(); ++s) least[s] = std::min(least[s], watch.times[s]);
+    for (std::size_t s = 0; s < least.size(); ++s) least[s] = std::min(least[s], clock.microseconds[s]);
   }
   return least;
 }
@@ -154,7 +139,7 @@ int run(const std::string& folder) {
   }
   if (folder.empty()) return 0;
   std::string stages;
-  for (const char* const stage : kStages) stages += (stages.empty() ? "" : ", ") + quoted(stage);
+  for (const char* const stage : tool::kStageWords) stages += (stages.empty() ? "" : ", ") + quoted(stage);
   std::ofstream file(folder + "/stages.json");
   file << "{\"cpu\": " << quoted(cpu_name()) << ", \"isa\": " << quoted(std::string(isa_name(widest_isa())))
        << ", \"compiler\": " << quoted(__VERSION__)

@@ -9,6 +9,7 @@
 #include <span>
 
 #include "lumbrical/batch.h"
+#include "stage_clock.h"
 
 namespace lumbrical::tool {
 namespace {
@@ -24,19 +25,6 @@ constexpr double kMostEffort = 1e9;  // that settings may have
 double microseconds_since(Clock::time_point start) {
   return std::chrono::duration<double, std::micro>(Clock::now() - start).count();
 }
-
-// Adds the time since the last stage's end to a stage.
-struct StageTimes {
-  std::array<double, kStageCount> microseconds{};
-  Clock::time_point last;
-  static void ended(void* self, Stage stage) {
-    auto& times = *static_cast<StageTimes*>(self);
-    const Clock::time_point now = Clock::now();
-    times.microseconds[static_cast<std::size_t>(stage)] +=
-        std::chrono::duration<double, std::micro>(now - times.last).count();
-    times.last = now;
-  }
-};
 
 std::vector<Scratch> fresh_scratches(const std::vector<Model>& models) {
   std::vector<Scratch> scratches;
@@ -88,9 +76,9 @@ double time_of(const std::vector<Model>& models, std::span<const TickStart> tick
 std::array<double, kStageCount> stage_shares(const std::vector<Model>& models,
                                              std::span<const TickStart> ticks) {
   std::vector<Scratch> scratches = fresh_scratches(models);
-  StageTimes times;
+  StageClock times;
   for (Scratch& scratch : scratches) {
-    scratch.watch = {&StageTimes::ended, &times};
+    scratch.watch = {&StageClock::ended, &times};
     if (scratch.apart) scratch.apart->watch = scratch.watch;  // objects go through the same stages
   }
   for (TickStart again : ticks) {
@@ -160,9 +148,6 @@ std::vector<Model> models_with_effort(std::uint32_t effort, const std::vector<Mo
   }
   return changed;
 }
-
-constexpr const char* kStageWords[kStageCount] = {"input",    "hand pose", "search",
-                                                  "contacts", "sums",      "limits"};
 
 }  // namespace
 
