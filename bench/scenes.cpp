@@ -148,11 +148,6 @@ Mesh graded_plane(double size_x, double size_y, double edge, std::uint64_t seed)
   return mesh;
 }
 
-const char* cut_name(Cut cut) {
-  constexpr const char* names[] = {"whole", "grid", "graded", "slivers", "shards", "t_junctions"};
-  return names[static_cast<std::size_t>(cut)];
-}
-
 Mesh cut_plane(double extent, std::size_t count, Cut cut, std::uint64_t seed) {
   Random random{seed};
   const double cells = std::max(1.0, std::round(std::sqrt(0.5 * static_cast<double>(count))));

@@ -27,8 +27,6 @@ enum class Cut {
   shards,      ///< random triangles split at random inner points, again and again
   t_junctions  ///< random triangles split across their longest edge, their neighbours not
 };
-inline constexpr Cut kCuts[] = {Cut::grid, Cut::graded, Cut::slivers, Cut::shards, Cut::t_junctions};
-const char* cut_name(Cut cut);
 
 /// A square of side `extent` [m] centred on the origin, cut into about `count` >= 2 triangles.
 Mesh cut_plane(double extent, std::size_t count, Cut cut, std::uint64_t seed);

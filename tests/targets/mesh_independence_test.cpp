@@ -18,10 +18,15 @@
 
 namespace lumbrical::bench {
 
+inline const char* cut_name(Cut cut) {
+  constexpr const char* names[] = {"whole", "grid", "graded", "slivers", "shards", "t_junctions"};
+  return names[static_cast<std::size_t>(cut)];
+}
 inline void PrintTo(Cut cut, std::ostream* out) { *out << cut_name(cut); }
 
 namespace {
 
+constexpr Cut kCuts[] = {Cut::grid, Cut::graded, Cut::slivers, Cut::shards, Cut::t_junctions};
 constexpr double kDegree = std::numbers::pi / 180;
 constexpr double kExtent = 0.16;  // [m] of the planes; no finger reaches their edge
 
