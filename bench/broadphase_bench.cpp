@@ -15,6 +15,7 @@
 #include "index/sphere_grid.h"
 #include "index/sphere_tree.h"
 #include "index/voxel_index.h"
+#include "kept.h"
 #include "pressed_hand.h"
 #include "stages/hand_pose.h"
 
@@ -82,17 +83,9 @@ void make_session(const Scene& scene, Broadphase broadphase, Session& session) {
   }
 }
 
-// Google Benchmark calls a benchmark several times to find how often to repeat it; the last session is kept.
 Session& session_of(const std::string& name, const Make& make, Broadphase broadphase) {
-  static std::unique_ptr<Session> session;
-  static std::string made;
-  if (made != name) {
-    session.reset();  // before the next takes as much memory
-    session = std::make_unique<Session>();
-    make_session(make(), broadphase, *session);
-    made = name;
-  }
-  return *session;
+  return bench::kept<Session>(
+      name, [&make, broadphase](Session& session) { make_session(make(), broadphase, session); });
 }
 
 void add(const std::string& name, const Make& make, Broadphase broadphase, double metres = 0) {

@@ -16,6 +16,7 @@
 
 #include "../tools/lumbrical/compare_precision.h"
 #include "hand_scenes.h"
+#include "kept.h"
 #include "lumbrical/motion.h"
 #include "timing.h"
 
@@ -87,23 +88,15 @@ double force_error_of(const std::vector<Vec3>& forces, const std::vector<Vec3>& 
 
 // ---- Measurement ----
 
-// Google Benchmark calls a benchmark several times to find how often to repeat it; sessions take longer to
-// make than that, so the last one is kept.
 Session& session_of(const std::string& name, const Make& make) {
-  static std::unique_ptr<Session> session;
-  static std::string made;
-  if (made != name) {
-    session.reset();  // before the next takes as much memory
-    session = std::make_unique<Session>();
-    make(*session);
-    const Answers exact = exact_answers_of(session->model, session->frames);
-    session->contacts = exact.contacts;
-    if (session->has_error)
-      session->force_error = force_error_of(answers_of(session->model, session->frames).forces, exact.forces,
-                                            session->model.settings.law[0] == Law::point);
-    made = name;
-  }
-  return *session;
+  return kept<Session>(name, [&make](Session& session) {
+    make(session);
+    const Answers exact = exact_answers_of(session.model, session.frames);
+    session.contacts = exact.contacts;
+    if (session.has_error)
+      session.force_error = force_error_of(answers_of(session.model, session.frames).forces, exact.forces,
+                                           session.model.settings.law[0] == Law::point);
+  });
 }
 
 void run(benchmark::State& state, const Session& session) {
