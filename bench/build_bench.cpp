@@ -3,7 +3,6 @@
 // all that stays in memory included.
 #include <benchmark/benchmark.h>
 
-#include <memory>
 #include <string>
 
 #include "index/patches.h"

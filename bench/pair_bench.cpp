@@ -3,7 +3,6 @@
 // rung, and the bound the engine states.
 #include <benchmark/benchmark.h>
 
-#include <cmath>
 #include <string>
 #include <vector>
 

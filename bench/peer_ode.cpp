@@ -2,7 +2,6 @@
 // together are merged, so it can't find all.
 #include <ode/ode.h>
 
-#include <cmath>
 #include <memory>
 
 #include "peer.h"

@@ -1,6 +1,7 @@
 // Sessions and batches of hands, for Python.
 #include <algorithm>
 #include <chrono>
+#include <span>
 
 #include "bind.h"
 #include "lumbrical/batch.h"

@@ -2,7 +2,6 @@
 #include "run_summary.h"
 
 #include <algorithm>
-#include <cmath>
 #include <filesystem>
 #include <utility>
 

@@ -1,11 +1,10 @@
 // Scene files: see lumbrical/scene_file.h. Objects and hand are put together in scene_parts.cpp.
 #include "lumbrical/scene_file.h"
-#include "base/floating_point.h"
 
 #include <array>
-#include <filesystem>
 #include <utility>
 
+#include "base/floating_point.h"
 #include "files/json_file.h"
 #include "files/scene_mechanics.h"
 #include "files/scene_parts.h"

@@ -1,12 +1,10 @@
 // Opening a world file: see lumbrical/world.h and world_format.h. Every number that leads to a place in
 // memory is checked before anything follows it; a wrong one is told with the byte it stands at.
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <cstring>
 #include <limits>
 #include <new>
-#include <span>
 #include <string>
 #include <utility>
 #include <vector>

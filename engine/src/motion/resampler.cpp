@@ -3,7 +3,6 @@
 // fits it.
 #include <algorithm>
 #include <cassert>
-#include <limits>
 
 #include "base/floating_point.h"
 #include "lumbrical/motion.h"

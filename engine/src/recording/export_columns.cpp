@@ -66,9 +66,7 @@ void name_column(const std::string& field, ExportColumn& column) {
   std::from_chars(field.data() + open + 1, field.data() + close, index);
   const std::string list = field.substr(0, open);
   std::string rest = field.substr(close + 1);
-  if (rest.size() == 0 || rest.back() != ']') {
-    // nothing to rewrite
-  } else {  // a float vector's component
+  if (!rest.empty() && rest.back() == ']') {  // a float vector's component
     const char axis = "xyzw"[rest[rest.size() - 2] - '0'];
     rest = rest.substr(0, rest.size() - 3) + '.' + axis;
   }
