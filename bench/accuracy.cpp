@@ -26,6 +26,7 @@
 #include "read_number.h"
 #include "stages/narrowphase.h"
 #include "timing.h"
+#include "usage.h"
 
 namespace {
 
@@ -358,8 +359,8 @@ bool parse(int count, char** words, Options& options) {
 int main(int count, char** words) {
   Options options;
   if (!parse(count, words, options)) {
-    std::fprintf(stderr, "accuracy [--pairs N] [--seed S] [--threads T] [--check N] [--out FOLDER]\n");
-    return 2;
+    return tell_usage("accuracy [--pairs N] [--seed S] [--threads T] [--check N] [--out FOLDER]", count,
+                      words);
   }
   Report report;
   report.cpu = cpu_name();

@@ -10,6 +10,7 @@
 #include "delay_cells.h"
 #include "delay_plot.h"
 #include "print.h"
+#include "usage.h"
 
 namespace {
 
@@ -265,7 +266,8 @@ bool write_plot(const std::string& path, const std::vector<Cell>& cells) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  if (argc < 2) return std::fprintf(stderr, "delay_sweep PROFILE [PLOT.svg | few]\n"), 2;
+  if (argc < 2 || argc > 3 || has_switch(argc, argv))
+    return tell_usage("delay_sweep PROFILE [PLOT.svg | few]", argc, argv);
   DeviceProfile profile;
   Status status = load_patient_profile(argv[1], profile);
   Models models;

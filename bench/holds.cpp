@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "hold.h"
+#include "usage.h"
 
 namespace {
 
@@ -150,7 +151,8 @@ SlopeFigures run_slope(const HoldEngine& engine) {
 
 }  // namespace
 
-int main() {
+int main(int argc, char** argv) {
+  if (argc > 1) return bench::tell_usage("bench_holds    takes no words", argc, argv);
   std::vector<HoldEngine> engines = {our_holder()};
 #ifdef LUMBRICAL_BULLET
   add_bullet_holders(engines);

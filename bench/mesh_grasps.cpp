@@ -20,6 +20,7 @@
 #include "lumbrical/mesh.h"
 #include "machine.h"
 #include "print.h"
+#include "usage.h"
 
 namespace lumbrical::bench {
 namespace {
@@ -39,7 +40,7 @@ struct Row {
 };
 
 bool parse(int count, char** words, Options& options) {
-  if (count % 2 != 0) return false;
+  if (count % 2 != 0 || words[1][0] == '-') return false;
   options.meshes = words[1];
   for (int i = 2; i + 1 < count; i += 2) {
     const std::string name = words[i];
@@ -183,10 +184,10 @@ int run(const Options& options, const std::string& command) {
 int main(int count, char** words) {
   lumbrical::bench::Options options;
   if (!lumbrical::bench::parse(count, words, options)) {
-    std::fprintf(stderr,
-                 "mesh_grasps MESHES [--size METRES] [--seconds S] [--felt-once never|by-samples|always] "
-                 "[--out FOLDER]\n");
-    return 2;
+    return lumbrical::bench::tell_usage(
+        "mesh_grasps MESHES [--size METRES] [--seconds S] [--felt-once never|by-samples|always] "
+        "[--out FOLDER]",
+        count, words);
   }
   // Where someone keeps meshes says nothing.
   std::string command = "build/release/bench/mesh_grasps MESHES";

@@ -19,6 +19,7 @@
 #include "lumbrical/shapes.h"
 #include "paper_figures.h"
 #include "print.h"
+#include "usage.h"
 
 namespace {
 
@@ -284,11 +285,11 @@ bool is_known(const std::string& name) {
   return name == kFigures || std::any_of(std::begin(kExperiments), std::end(kExperiments), has_name);
 }
 
-int usage() {
+int usage(int count, char** words) {
   std::string names;
   for (const Experiment& experiment : kExperiments) names += print(" [%s]", experiment.name);
-  std::fprintf(stderr, "usage: paper_experiments FOLDER%s [%s]\n", names.c_str(), kFigures);
-  return 2;
+  return bench::tell_usage(print("paper_experiments FOLDER%s [%s]", names.c_str(), kFigures).c_str(), count,
+                           words);
 }
 
 bool is_wanted(const std::string& name, const std::vector<std::string>& wanted) {
@@ -331,7 +332,8 @@ int run(const std::string& folder, const std::vector<std::string>& wanted) {
 
 int main(int count, char** arguments) {
   const std::vector<std::string> all(arguments + 1, arguments + count);
-  if (all.empty() || !std::all_of(all.begin() + 1, all.end(), is_known)) return usage();
+  if (all.empty() || has_switch(count, arguments) || !std::all_of(all.begin() + 1, all.end(), is_known))
+    return usage(count, arguments);
   try {
     return run(all[0], {all.begin() + 1, all.end()});
   } catch (const std::exception& error) {

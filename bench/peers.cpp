@@ -24,6 +24,7 @@
 #include "peer_truth.h"
 #include "stages/hand_pose.h"
 #include "timing.h"
+#include "usage.h"
 
 namespace lumbrical::bench {
 namespace {
@@ -346,10 +347,10 @@ int main(int count, char** words) {
   using namespace lumbrical::bench;
   Options options;
   if (!parse(count, words, options)) {
-    std::fprintf(stderr,
-                 "bench_peers [--scenes A,B] [--most TRIANGLES] [--poses N] [--seconds S] "
-                 "[--clock wall|processor] [--out FOLDER]\n");
-    return 2;
+    return tell_usage(
+        "bench_peers [--scenes A,B] [--most TRIANGLES] [--poses N] [--seconds S] "
+        "[--clock wall|processor] [--out FOLDER]",
+        count, words);
   }
   PeerReport report;
   report.cpu = cpu_name();

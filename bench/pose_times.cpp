@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <cstdint>
 #include <cstdio>
 #include <cstdlib>
 #include <string>
@@ -15,8 +16,10 @@
 #include "lumbrical/tick.h"
 #include "pressed_hand.h"
 #include "random.h"
+#include "read_number.h"
 #include "scenes.h"
 #include "timing.h"
+#include "usage.h"
 
 namespace {
 
@@ -216,11 +219,11 @@ int print_one(const std::string& name, std::uint64_t seed) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  if (argc == 3) return print_one(argv[1], std::strtoull(argv[2], nullptr, 10));
-  const double seconds = argc == 2 ? std::atof(argv[1]) : 10;
-  if (argc > 3 || !(seconds > 0)) {
-    std::fputs("pose_times [SECONDS] | WORLD SEED\n", stderr);
-    return 2;
-  }
-  return print_all(seconds);
+  double seconds = 10;
+  std::uint64_t seed = 0;
+  bool good = argc <= 3 && !bench::has_switch(argc, argv);
+  if (argc == 2) good = good && bench::read_number(argv[1], 1e6, seconds);
+  if (argc == 3) good = good && bench::read_number_or_0(argv[2], UINT64_MAX, seed);
+  if (!good) return bench::tell_usage("pose_times [SECONDS] | WORLD SEED", argc, argv);
+  return argc == 3 ? print_one(argv[1], seed) : print_all(seconds);
 }

@@ -18,6 +18,7 @@
 #include "lumbrical/shared_objects.h"
 #include "read_number.h"
 #include "timing.h"
+#include "usage.h"
 
 namespace {
 
@@ -220,7 +221,8 @@ Status measure_long(const std::string& path, double hours) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  if (argc != 3) return fail("recording_cost cost SCENE.json | long HOURS");
+  if (argc != 3 || bench::has_switch(argc, argv))
+    return bench::tell_usage("recording_cost cost SCENE.json | long HOURS", argc, argv);
   const std::string command = argv[1];
   const std::string path =
       (std::filesystem::temp_directory_path() / ("lumbrical_cost_" + std::to_string(::getpid()) + ".mcap"))

@@ -20,6 +20,7 @@
 #include "lumbrical/tick.h"
 #include "machine.h"
 #include "print.h"
+#include "usage.h"
 
 namespace lumbrical::bench {
 namespace {
@@ -158,9 +159,8 @@ int run(const std::string& folder) {
 }  // namespace lumbrical::bench
 
 int main(int count, char** words) {
-  if (count > 2) {
-    std::fputs("usage: stage_times [FOLDER]\n", stderr);
-    return 2;
-  }
+  if (count > 2 || lumbrical::bench::has_switch(count, words))
+    return lumbrical::bench::tell_usage("stage_times [FOLDER]    FOLDER/stages.json is written", count,
+                                        words);
   return lumbrical::bench::run(count == 2 ? words[1] : "");
 }

@@ -8,9 +8,7 @@
 // between two ticks. (Not where they move farther than 3 mm in a tick: where a finger slips off a rim, the
 // straight way leads through the mesh, but the proxy's does not.) The time of ticks stands beside it.
 #include <algorithm>
-#include <cmath>
 #include <cstdio>
-#include <cstdlib>
 #include <string>
 #include <vector>
 
@@ -21,6 +19,7 @@
 #include "random.h"
 #include "read_number.h"
 #include "timing.h"
+#include "usage.h"
 
 namespace {
 
@@ -173,15 +172,10 @@ Tally strike_at(const Target& target, bool whole_hand, std::uint64_t count) {
 
 bool print_row(const Target& target, bool whole_hand, std::uint64_t count) {
   Tally tally = strike_at(target, whole_hand, std::max<std::uint64_t>(count, 1));
-  std::sort(tally.microseconds.begin(), tally.microseconds.end());
-  const auto at = [&](double share) {
-    return tally
-        .microseconds[static_cast<std::size_t>(share * static_cast<double>(tally.microseconds.size() - 1))];
-  };
   std::printf("| %s | %s | %llu | %llu | %llu | %.1f | %.1f |\n", target.name.c_str(),
               whole_hand ? "hand" : "fingertip", static_cast<unsigned long long>(tally.strikes),
               static_cast<unsigned long long>(tally.held), static_cast<unsigned long long>(tally.through),
-              at(0.5), at(0.99));
+              bench::percentile(tally.microseconds, 0.5), bench::percentile(tally.microseconds, 0.99));
   std::fflush(stdout);
   return tally.through == 0;
 }
@@ -193,10 +187,8 @@ int main(int argc, char** argv) {
   const bool is_count = argc < 2 || bench::read_number(argv[1], std::uint64_t{1000000000}, count);
   std::vector<Target> targets = sheets();
   const auto unit = parse_unit(argc > 2 ? argv[argc - 1] : "m");
-  if (!is_count || !unit || argc == 3) {
-    std::fprintf(stderr, "strikes [COUNT] [MESH.. UNIT]: UNIT is m, cm or mm\n");
-    return 2;
-  }
+  if (!is_count || !unit || argc == 3 || bench::has_switch(argc, argv))
+    return bench::tell_usage("strikes [COUNT] [MESH.. UNIT]    UNIT is m, cm or mm", argc, argv);
   for (int i = 2; i < argc - 1; ++i) {
     Target target{argv[i], {}};
     if (const Status status = load_mesh(argv[i], *unit, target.mesh); !status.ok()) {

@@ -27,6 +27,7 @@
 #include "random.h"
 #include "read_number.h"
 #include "timing.h"
+#include "usage.h"
 
 namespace {
 
@@ -247,6 +248,13 @@ int walk_memory(double triangles, const Walk& how) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  const auto usage = [argc, argv] {
+    return lumbrical::bench::tell_usage(
+        "world_city build TRIANGLES FILE | walk FILE [ahead|alone] [SECONDS [SPEED [PRECISION]]] | "
+        "memory TRIANGLES [SECONDS [SPEED [PRECISION]]]",
+        argc, argv);
+  };
+  if (lumbrical::bench::has_switch(argc, argv)) return usage();
   const std::string what = argc > 2 ? argv[1] : "";
   double triangles = 0;
   if ((what == "build" || what == "memory") && !lumbrical::bench::read_number(argv[2], 1e12, triangles)) {
@@ -259,8 +267,5 @@ int main(int argc, char** argv) {
   const std::string reading = argc > 3 ? argv[3] : "ahead";
   if (what == "walk" && (reading == "ahead" || reading == "alone") && read_walk(argc, argv, 4, how))
     return walk_file(argv[2], reading == "ahead", how);
-  std::fprintf(stderr,
-               "world_city build TRIANGLES FILE | walk FILE [ahead|alone] [SECONDS [SPEED [PRECISION]]] | "
-               "memory TRIANGLES [SECONDS [SPEED [PRECISION]]]\n");
-  return 2;
+  return usage();
 }

@@ -4,6 +4,7 @@
 
 #include "print.h"
 #include "simulated_loop.h"
+#include "usage.h"
 #include "z_width_plot.h"
 
 namespace {
@@ -136,10 +137,7 @@ int draw(const char* path) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  if (argc > 2 || (argc == 2 && argv[1][0] == '-')) {
-    std::fputs("usage: z_width [PICTURE.svg]\n", stderr);
-    return 2;
-  }
+  if (argc > 2 || has_switch(argc, argv)) return tell_usage("z_width [PICTURE.svg]", argc, argv);
   std::printf(
       "# How stiff a joint may be rendered\n\nSimulated time: repeat with "
       "`build/release/bench/z_width z_width.svg`.\n\n![sweep](z_width.svg)\n\n");
