@@ -296,6 +296,11 @@ TEST(SceneFile, TellsAValueOfAWrongKindWithItsFieldAndWhatItHasToBe) {
       {R"({"settings": {"effort": [1]}})", "settings.effort is a list but must be a whole number"},
       {R"({"settings": {"rate": "1 kHz"}})",
        ":1:23: settings.rate is \"1 kHz\" but must be a number, without quotes"},
+      // Which the parser would take for numbers.
+      {R"({"settings": {"rate": "1000"}})",
+       ":1:23: settings.rate is \"1000\" but must be a number, without quotes"},
+      {R"({"settings": {"effort": "5"}})", "settings.effort is \"5\" but must be a whole number"},
+      {R"({"objects": [{"position": [0, "1", 2]}]})", "objects[0].position[1] is \"1\" but must be a number"},
       {R"({"settings": {"rate": {}}})", "settings.rate is an object but must be a number"},
       {R"({"settings": {"law": 5}})", "settings.law is 5 but must be text, in quotes"},
       {R"({"settings": 5})", "settings is 5 but must be an object"},
@@ -309,7 +314,7 @@ TEST(SceneFile, TellsAValueOfAWrongKindWithItsFieldAndWhatItHasToBe) {
       {R"({"hand": {"palm": {"polygon": [{"x": "b", "z": 1}]}}})",
        "hand.palm.polygon[0].x is \"b\" but must be"},
       // What comes behind a value is no fault of it.
-      {R"({"settings": {"rate": "5" x}})", "expecting: "},
+      {R"({"settings": {"rate": 5 x}})", "expecting: "},
       {R"({"settings": {"law": null x}})", "expecting: "},
       {R"({"settings": {"effort": "many)", "illegal character"},
   };

@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
-#include <cstdio>
 #include <utility>
 
 #include "base/whole_file.h"
@@ -181,21 +180,27 @@ const char* wanted_for(const flatbuffers::Type& type, std::string_view value) {
   if (flatbuffers::IsString(type)) return first == '"' ? nullptr : "text, in quotes";
   if (value == "true" || value == "false") return nullptr;
   if (flatbuffers::IsBool(type.base_type)) return "true or false";
-  std::string_view number = value;  // which the parser takes in quotes, too
-  if (first == '"') number = number.substr(1, number.size() - 2);
+  const bool quoted = first == '"';
   if (flatbuffers::IsFloat(type.base_type)) {
-    if (is_number<double>(number)) return nullptr;
-    return number == "exact" ? "a number; 0 is exact" : "a number, without quotes";
+    if (!quoted && is_number<double>(value)) return nullptr;
+    return value == "\"exact\"" ? "a number; 0 is exact" : "a number, without quotes";
   }
-  if (is_number<std::uint32_t>(number)) return nullptr;  // our schemas have no other whole numbers
-  const bool digits = !number.empty() && number.find_first_not_of("0123456789") == std::string_view::npos;
+  if (!quoted && is_number<std::uint32_t>(value)) return nullptr;  // our schemas have no other whole numbers
+  const bool digits = value.find_first_not_of("0123456789") == std::string_view::npos;
   return digits ? "far smaller" : "a whole number, in digits only";
 }
 
+// The parser takes numbers in quotes, too.
+const char* wanted_for_text(const flatbuffers::Type& type, std::string_view value) {
+  return value.front() == '"' && flatbuffers::IsScalar(type.base_type) ? wanted_for(type, value) : nullptr;
+}
+
+using WantedFor = const char* (*)(const flatbuffers::Type& type, std::string_view value);
+
 // Steps to the first value before `end` that is not of its field's type, adds the way there to `path`, and
 // tells what it has to be; null, and nothing has changed, if there is none.
-const char* find_wrong_kind(Walker& walker, const flatbuffers::Type& type, std::size_t end,
-                            std::string& path) {
+const char* find_wrong_kind(Walker& walker, const flatbuffers::Type& type, WantedFor wanted_of,
+                            std::size_t end, std::string& path) {
   const char* wanted = nullptr;
   walker.step([&](std::string_view key, std::size_t index) {
     const std::size_t length = path.size();
@@ -211,13 +216,27 @@ const char* find_wrong_kind(Walker& walker, const flatbuffers::Type& type, std::
       inner = field->value.type;
       path.append(path.empty() ? "" : ".").append(key);
     }
-    wanted = wanted_for(inner, value);
+    wanted = wanted_of(inner, value);
     if (wanted == nullptr && (value == "{" || value == "["))
-      wanted = find_wrong_kind(walker, inner, end, path);
+      wanted = find_wrong_kind(walker, inner, wanted_of, end, path);
     if (wanted == nullptr) path.resize(length);
     return wanted != nullptr;
   });
   return wanted;
+}
+
+// "name:12:34: rate is ... but must be ...", of the first value before `end` that is; empty: none is.
+std::string wrong_kind_of(const JsonFile& file, const flatbuffers::Parser& parser, WantedFor wanted_of,
+                          std::size_t end) {
+  const flatbuffers::Type root(flatbuffers::BASE_TYPE_STRUCT, parser.root_struct_def_);
+  Walker walker(file.text);
+  std::string path;
+  const char* const wanted = find_wrong_kind(walker, root, wanted_of, end, path);
+  if (wanted == nullptr) return {};
+  const std::string_view value = walker.token();
+  const std::string_view shown = value == "{" ? "an object" : value == "[" ? "a list" : value;
+  return prefix(file.name, place_of(file.text, walker.position())) + path + " is " + std::string(shown) +
+         " but must be " + wanted;
 }
 
 // People's editors understand "name:12:34: what". The parser looks at numbers once it has read the table that
@@ -225,16 +244,9 @@ const char* find_wrong_kind(Walker& walker, const flatbuffers::Type& type, std::
 std::string error_of(const JsonFile& file, const flatbuffers::Parser& parser, const JsonSchema& schema) {
   std::string_view message = parser.error_;
   const TextPlace place = take_place(message);
-  const flatbuffers::Type root(flatbuffers::BASE_TYPE_STRUCT, parser.root_struct_def_);
-  Walker walker(file.text);
-  std::string path;
-  const char* const wanted = find_wrong_kind(walker, root, offset_of(file.text, place), path);
-  if (wanted == nullptr)
-    return prefix(file.name, place) + std::string(message).append(remedy_of(message, schema));
-  const std::string_view value = walker.token();
-  const std::string_view shown = value == "{" ? "an object" : value == "[" ? "a list" : value;
-  return prefix(file.name, place_of(file.text, walker.position())) + path + " is " + std::string(shown) +
-         " but must be " + wanted;
+  std::string wrong = wrong_kind_of(file, parser, wanted_for, offset_of(file.text, place));
+  if (!wrong.empty()) return wrong;
+  return prefix(file.name, place) + std::string(message).append(remedy_of(message, schema));
 }
 
 std::string interval(const Range& range) {
@@ -282,6 +294,8 @@ Status read_json_file(const std::string& path, const JsonSchema& schema, JsonFil
                          " is damaged; rebuild the program");
   }
   if (!parser.ParseJson(file.text.c_str())) return Status::error(error_of(file, parser, schema));
+  if (std::string wrong = wrong_kind_of(file, parser, wanted_for_text, file.text.size()); !wrong.empty())
+    return Status::error(std::move(wrong));
   const std::uint8_t* const data = parser.builder_.GetBufferPointer();
   file.buffer.assign(data, data + parser.builder_.GetSize());
   return {};
