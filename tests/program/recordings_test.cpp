@@ -234,6 +234,20 @@ TEST(CommandLine, MissingTicksAreToldWithAnExitCodeOfTheirOwn) {
   EXPECT_EQ(range[1].get<int>() - range[0].get<int>() + 1, recover.json()["lost"]);
   EXPECT_EQ(range[0].get<int>() % 20, 0) << "one chunk: a fifth of a second";
   EXPECT_EQ(recover.json()["lost"], 20);
+  // Both parts that replay names can be replayed.
+  const std::string first = std::to_string(range[0].get<int>());
+  const std::string behind = std::to_string(range[1].get<int>() + 100);
+  const Outcome refused = shell("lumbrical replay whole.mcap", folder);
+  EXPECT_NE(refused.error.find("trim makes recordings that can: of the ticks before it (--to-tick " + first),
+            std::string::npos)
+      << refused.error;
+  for (const std::string& part : {"--to-tick " + first, "--from-tick " + behind})
+    EXPECT_EQ(shell("rm -f part.mcap; lumbrical trim whole.mcap " + part +
+                        " -o part.mcap && lumbrical replay part.mcap",
+                    folder)
+                  .exit_code,
+              0)
+        << part;
   EXPECT_EQ(shell("lumbrical recover a.mcap -o again.mcap", folder).exit_code, 0);
 }
 

@@ -144,6 +144,8 @@ TEST_P(Replay, NamesTheTickThatIsMissing) {
     });
     const std::string message = replay_file(copy, result).message();
     EXPECT_EQ(message.find(copy + ": tick " + std::to_string(from) + " is missing"), 0u) << message;
+    EXPECT_EQ(message.find("--to-tick " + std::to_string(from)) != std::string::npos, from > 0) << message;
+    EXPECT_NE(message.find("--from-tick"), std::string::npos) << message;
   };
   leave_out(57, 59);
   EXPECT_EQ(result.ticks, 58u);

@@ -78,11 +78,16 @@ Status scene_for(RecordingReader& reader, const ReplayOptions& options, Scene& s
   return {};
 }
 
+// Whether a disk was too slow or the file was damaged, parts of what is there can be replayed.
 Status missing_tick(const RecordingReader& reader, std::uint64_t expected, std::uint64_t found) {
-  return Status::error(reader.info().path + ": tick " + std::to_string(expected) +
-                       " is missing (the next one recorded is " + std::to_string(found) +
-                       "): what the engine carried over from it is unknown, so no tick from " +
-                       "there on can be replayed; record without gaps (not paced by the clock)");
+  const RecordingInfo& info = reader.info();
+  std::string remedy = "trim makes recordings that can: ";
+  if (expected > info.first_tick)
+    remedy += "of the ticks before it (--to-tick " + std::to_string(expected) + "), and ";
+  return Status::error(
+      info.path + ": tick " + std::to_string(expected) + " is missing (the next one recorded is " +
+      std::to_string(found) + "): what the engine carried over from it is unknown, so no tick from " +
+      "there on can be replayed; " + remedy + "of those from some hundred behind it (--from-tick)");
 }
 
 namespace {
