@@ -199,6 +199,19 @@ TEST(CommandLine, ADashIsNoFileToWrite) {
   EXPECT_EQ(shell("lumbrical export a.mcap -o - | grep -q tick", folder).exit_code, 0);
 }
 
+TEST(CommandLine, ASignalEndsAnExportWithoutAFile) {
+  const fs::path folder = folder_with_demo();
+  ASSERT_EQ(shell("lumbrical run demo.json --ticks 20000 --record a.mcap", folder).exit_code, 0);
+  const std::string all = "lumbrical export a.mcap --columns all --exact -o a.csv";
+  const Outcome stopped = shell(
+      all + " & export=$!; " + wait_until("test -e a.csv.part") + "kill -TERM $export; wait $export", folder);
+  EXPECT_EQ(stopped.exit_code, 130) << stopped.error;
+  EXPECT_NE(stopped.error.find("a.csv: stopped by a signal"), std::string::npos) << stopped.error;
+  EXPECT_FALSE(fs::exists(folder / "a.csv"));
+  EXPECT_FALSE(fs::exists(folder / "a.csv.part"));
+  EXPECT_EQ(shell("lumbrical export a.mcap --ticks 0:9 -o a.csv", folder).exit_code, 0);
+}
+
 // 100 .. 149 are missing: the file is whole, and replay refuses what is behind the gap.
 TEST(CommandLine, MissingTicksAreToldWithAnExitCodeOfTheirOwn) {
   const fs::path folder = folder_with_demo();

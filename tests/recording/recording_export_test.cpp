@@ -111,6 +111,24 @@ TEST(Export, HoldsOnlyColumnsThatVaryUnlessTheyAreAskedFor) {
             std::string::npos);
 }
 
+TEST(Export, LeavesNoFileWhereItIsStopped) {
+  RecordingReader reader;
+  open_random(reader, 50);
+  const std::string output = temporary_path("stopped");
+  for (const ExportFormat format : {ExportFormat::csv, ExportFormat::json, ExportFormat::npz}) {
+    for (const int most : {0, 20, 60}) {
+      int asked = 0;
+      ExportOptions options = as(format);
+      options.stop = [&asked, most] { return ++asked > most; };
+      if (format == ExportFormat::json && most > 50) continue;  // reads once
+      const Status status = export_recording(reader, options, output);
+      EXPECT_NE(status.message().find("stopped"), std::string::npos) << status.message();
+      EXPECT_FALSE(std::filesystem::exists(output));
+      EXPECT_FALSE(std::filesystem::exists(output + ".part"));
+    }
+  }
+}
+
 TEST(Export, TellsWhereObjectsAreAndWhatTheyFeel) {
   Scene scene = test::small_scene();
   SceneObject& mug = scene.objects.emplace_back(scene.objects[0]);

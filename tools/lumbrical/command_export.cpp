@@ -2,11 +2,14 @@
 #include <algorithm>
 #include <charconv>
 #include <memory>
+#include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "commands.h"
 #include "lumbrical/recording.h"
+#include "lumbrical/ways_out.h"
 #include "output.h"
 #include "switches.h"
 
@@ -20,17 +23,11 @@ struct ExportSwitches {
 };
 
 std::string check_segment(std::string& text) {
+  if (parse_segment(text)) return {};
   std::vector<std::string> names;
   for (int segment = 0; segment < kSegmentCount; ++segment) names.emplace_back(segment_name(segment));
-  if (std::find(names.begin(), names.end(), text) != names.end()) return {};
   return '"' + text + "\" is no hand segment; use \"index distal\", palm or the like" +
          did_you_mean(text, names);
-}
-
-int segment_number(const std::string& name) {
-  int segment = 0;
-  while (segment_name(segment) != name) ++segment;
-  return segment;
 }
 
 // "5", "5:9", "5:", ":9", each with a step behind it, "5:9:2"
@@ -56,6 +53,16 @@ std::string check_ticks(std::string& text) {
   return '"' + text + "\" is no range of ticks; use FIRST:LAST or FIRST:LAST:STEP";
 }
 
+Status export_to_file(std::span<RecordingReader> readers, const ExportSwitches& switches,
+                      const ExportOptions& wanted) {
+  if (switches.events + switches.poses + switches.contacts > 1)
+    return Status::error("--events, --poses and --contacts are tables of their own; choose one");
+  if (switches.poses) return export_views(readers, MessageKind::pose, wanted, switches.output);
+  if (switches.contacts) return export_views(readers, MessageKind::contacts, wanted, switches.output);
+  if (switches.events) return export_device_events(readers, wanted, switches.output);
+  return export_recording(readers, wanted, switches.output);
+}
+
 int export_as_table(const ExportSwitches& switches) {
   std::vector<RecordingReader> readers;
   if (Status status = open_hands(switches.recording, readers, parse_side(switches.side)); !status.ok())
@@ -65,19 +72,19 @@ int export_as_table(const ExportSwitches& switches) {
                   : switches.format == "npz" ? ExportFormat::npz
                                              : ExportFormat::csv;
   wanted.columns = switches.columns;
-  for (const std::string& name : switches.segments) wanted.segments.push_back(segment_number(name));
+  for (const std::string& name : switches.segments) wanted.segments.push_back(*parse_segment(name));
   wanted.exact = switches.exact;
   if (!switches.ticks.empty()) parse_ticks(switches.ticks, wanted);
-  if (switches.events + switches.poses + switches.contacts > 1)
-    return fail("--events, --poses and --contacts are tables of their own; choose one");
-  if (switches.poses || switches.contacts) {
-    const MessageKind kind = switches.poses ? MessageKind::pose : MessageKind::contacts;
-    const Status status = export_views(readers, kind, wanted, switches.output);
-    return status.ok() ? kDone : fail(status);
+  // A file that was begun must not be left; of standard output nothing is, and a stop ends it as ever.
+  std::optional<StopSignals> stop_signals;
+  if (switches.output != "-") {
+    stop_signals.emplace();
+    wanted.stop = stop_requested;
   }
-  const Status status = switches.events ? export_device_events(readers, wanted, switches.output)
-                                        : export_recording(readers, wanted, switches.output);
-  return status.ok() ? kDone : fail(status);
+  const Status status = export_to_file(readers, switches, wanted);
+  if (status.ok()) return kDone;
+  fail(stop_requested() ? Status::error(switches.output + ": stopped by a signal, and not written") : status);
+  return stop_requested() ? kInterrupted : kUnreadable;
 }
 
 }  // namespace

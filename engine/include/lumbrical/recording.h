@@ -385,6 +385,9 @@ struct ExportOptions {
   std::uint64_t first = 0, last = UINT64_MAX;  ///< tick numbers
   std::uint64_t step = 1;                      ///< every so many ticks, from `first` on
   bool exact = false;  ///< csv: as many digits as it takes to read the same bits, not six
+  /// Asked with every tick that is read; may be empty. Once it is true the export ends with an error, and
+  /// leaves no file.
+  std::function<bool()> stop;
 };
 
 /// Writes to the file `output`, which appears only when it is complete, or to standard output where that is

@@ -127,12 +127,14 @@ std::string event_line(const DeviceEvent& event, ExportFormat format) {
 }
 
 Status read_history(RecordingReader& reader, DeviceHistory& history,
-                    const std::function<Status(const DeviceEvent&)>& event) {
+                    const std::function<Status(const DeviceEvent&)>& event,
+                    const std::function<bool()>& stop = {}) {
   history = {};
   if (Status status = reader.seek(0); !status.ok()) return status;
   Pass pass(reader.scene().settings.rate, history, event);
   for (TickRecord record;;) {
     bool end = false;
+    if (Status status = check_stop(stop); !status.ok()) return status;
     if (Status status = reader.next(record, end); !status.ok()) return status;
     if (end) return pass.end();
     if (Status status = pass.take(record); !status.ok()) return status;
@@ -163,9 +165,10 @@ Status write_events(std::span<RecordingReader> readers, const ExportOptions& opt
   if (format == ExportFormat::csv)
     if (Status status = out.line("tick,time [s],kind,text"); !status.ok()) return status;
   DeviceHistory history;
-  return read_device_history(readers, history, [&](const DeviceEvent& event) {
+  const auto write = [&](const DeviceEvent& event) {
     return is_chosen(options, event.tick) ? out.line(event_line(event, format)) : Status();
-  });
+  };
+  return read_history(driven_hand(readers), history, write, options.stop);
 }
 
 }  // namespace

@@ -77,6 +77,7 @@ Status for_each_row(Readers readers, MessageKind kind, const ExportOptions& opti
   while (wanted()) {
     RecordedMessage message;
     bool end = false;
+    if (Status status = check_stop(options.stop); !status.ok()) return status;
     if (Status status = reader.next_message(message, end); !status.ok()) return status;
     if (end || message.tick > options.last) return check_choice(reader.info(), found);
     const Side side = reader.info().hands[message.hand];

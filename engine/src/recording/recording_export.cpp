@@ -43,6 +43,7 @@ Status for_each_row(Readers readers, const ExportOptions& options, Take&& take,
   const auto advance = [&](std::size_t hand) {
     bool& end = ended[hand];
     do {
+      if (Status status = check_stop(options.stop); !status.ok()) return status;
       if (Status status = readers[hand].next(records[hand], end); !status.ok()) return status;
       end = end || records[hand].output.tick > options.last;
     } while (!end && !is_chosen(options, records[hand].output.tick));
