@@ -302,6 +302,8 @@ TEST(SceneFile, TellsAValueOfAWrongKindWithItsFieldAndWhatItHasToBe) {
       {R"({"settings": {"effort": "5"}})", "settings.effort is \"5\" but must be a whole number"},
       {R"({"objects": [{"position": [0, "1", 2]}]})", "objects[0].position[1] is \"1\" but must be a number"},
       {R"({"settings": {"rate": {}}})", "settings.rate is an object but must be a number"},
+      {R"({"settings": {"rate": true}})",
+       ":1:23: settings.rate is true but must be a number, without quotes"},
       {R"({"settings": {"law": 5}})", "settings.law is 5 but must be text, in quotes"},
       {R"({"settings": 5})", "settings is 5 but must be an object"},
       {R"({"objects": {"box": {}}})", "objects is an object but must be a list"},

@@ -171,15 +171,16 @@ bool is_number(std::string_view text) {
   return error == std::errc() && end == text.data() + text.size();
 }
 
-// What a value has to be that is not of its field's type; null where the parser takes it.
+bool is_truth(std::string_view value) { return value == "true" || value == "false"; }
+
+// What a value has to be that is not of its field's type; null where it is.
 const char* wanted_for(const flatbuffers::Type& type, std::string_view value) {
   const char first = value.front();
   if (value == "null") return nullptr;
   if (type.base_type == flatbuffers::BASE_TYPE_STRUCT) return first == '{' ? nullptr : "an object, {...}";
   if (flatbuffers::IsVector(type)) return first == '[' ? nullptr : "a list, [...]";
   if (flatbuffers::IsString(type)) return first == '"' ? nullptr : "text, in quotes";
-  if (value == "true" || value == "false") return nullptr;
-  if (flatbuffers::IsBool(type.base_type)) return "true or false";
+  if (flatbuffers::IsBool(type.base_type)) return is_truth(value) ? nullptr : "true or false";
   const bool quoted = first == '"';
   if (flatbuffers::IsFloat(type.base_type)) {
     if (!quoted && is_number<double>(value)) return nullptr;
@@ -190,9 +191,10 @@ const char* wanted_for(const flatbuffers::Type& type, std::string_view value) {
   return digits ? "far smaller" : "a whole number, in digits only";
 }
 
-// The parser takes numbers in quotes, too.
-const char* wanted_for_text(const flatbuffers::Type& type, std::string_view value) {
-  return value.front() == '"' && flatbuffers::IsScalar(type.base_type) ? wanted_for(type, value) : nullptr;
+// The same of what the parser takes for a number and is none: one in quotes, true and false.
+const char* wanted_for_no_number(const flatbuffers::Type& type, std::string_view value) {
+  const bool is_none = value.front() == '"' || is_truth(value);
+  return is_none && flatbuffers::IsScalar(type.base_type) ? wanted_for(type, value) : nullptr;
 }
 
 using WantedFor = const char* (*)(const flatbuffers::Type& type, std::string_view value);
@@ -294,7 +296,7 @@ Status read_json_file(const std::string& path, const JsonSchema& schema, JsonFil
                          " is damaged; rebuild the program");
   }
   if (!parser.ParseJson(file.text.c_str())) return Status::error(error_of(file, parser, schema));
-  if (std::string wrong = wrong_kind_of(file, parser, wanted_for_text, file.text.size()); !wrong.empty())
+  if (std::string wrong = wrong_kind_of(file, parser, wanted_for_no_number, file.text.size()); !wrong.empty())
     return Status::error(std::move(wrong));
   const std::uint8_t* const data = parser.builder_.GetBufferPointer();
   file.buffer.assign(data, data + parser.builder_.GetSize());
