@@ -48,7 +48,8 @@ struct Evaluator {
 bool collide_exactly(const Pair& pair, Law law, Contact& contact) {
   static thread_local Boundary boundary;
   const ContactQuery query{law, kPointArea, nullptr, field_kernels(widest_isa())};
-  return collide(pair.primitive, query, pair.corners[0], pair.corners[1], pair.corners[2], boundary, contact);
+  return collide(pair.primitive, query, {pair.corners[0], pair.corners[1], pair.corners[2]}, boundary,
+                 contact);
 }
 
 /// A further precision is one more line here.

@@ -44,7 +44,7 @@ Pairs make_pairs(bool is_sphere, Law law) {
     const Vec3 corner[3] = {at + kRadius * random.direction(), at + kRadius * random.direction(),
                             at + kRadius * random.direction()};
     Contact contact;
-    if (!collide(part, {}, corner[0], corner[1], corner[2], boundary, contact)) continue;
+    if (!collide(part, {}, {corner[0], corner[1], corner[2]}, boundary, contact)) continue;
     pairs.candidates.push_back(mesh.triangles.size());
     add_triangle(corner[0], corner[1], corner[2], mesh);
   }

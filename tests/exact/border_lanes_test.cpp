@@ -45,12 +45,8 @@ Primitives random_finger(test::Random& random) {
   return primitives;
 }
 
-struct Triangle {
-  Vec3 a, b, c;
-};
-
 // From 0.1 to 100 mm, round a point near a joint, every other one in the plane of the joint.
-Triangle random_triangle(const Primitives& hand, test::Random& random) {
+Corners random_triangle(const Primitives& hand, test::Random& random) {
   const JointBorder& border = hand.border[3 + random.bits() % 2];
   Vec3 away = random.in_box(kRadius);
   if (random.bits() % 2 == 0) away += -dot(away, border.normal) * border.normal;
@@ -63,18 +59,18 @@ Triangle random_triangle(const Primitives& hand, test::Random& random) {
 // A tile and a triangle one or two of its borders cross.
 struct Crossed {
   std::size_t tile;
-  Triangle at;
+  Corners at;
   TriangleCuts cuts;
 };
 
 std::vector<Crossed> crossed_by(const Primitives& hand, test::Random& random, int triangles) {
   std::vector<Crossed> found;
   for (int i = 0; i < triangles; ++i) {
-    const Triangle t = random_triangle(hand, random);
+    const Corners t = random_triangle(hand, random);
     for (std::size_t tile = 0; tile < 3; ++tile) {
-      const TileBorders near = borders_in_reach(hand, hand.primitive[tile], t.a, t.b, t.c);
+      const TileBorders near = borders_in_reach(hand, hand.primitive[tile], t);
       if (!near.any()) continue;
-      const TriangleCuts cuts = cross_borders(hand, hand.primitive[tile], near, t.a, t.b, t.c);
+      const TriangleCuts cuts = cross_borders(hand, hand.primitive[tile], near, t);
       const bool crossed = cuts.crossing[0].exists || cuts.crossing[1].exists;
       if (cuts.kind == CutKind::other && crossed) found.push_back({tile, t, cuts});
     }
@@ -128,10 +124,10 @@ double height_over(const HalfSpace& space, Vec3 p) {
 // What lies between a chord [m, from the joint] and its border, by brute force: many short pieces, a root of
 // precedence at every node and many nodes across.
 BulgeMoments brute_bulge(const Primitives& hand, const Primitive& tile, bool outer, Vec3 from, Vec3 to,
-                         const Triangle& t) {
+                         const Corners& t) {
   Section section;
   Vec3 n;
-  if (!normal_of(t.a, t.b, t.c, n) || !look_along(tile, t.a, n, t.b - t.a, section)) return {};
+  if (!normal_of(t, n) || !look_along(tile, t.a, n, t.b - t.a, section)) return {};
   const Rival rival = joint_rival(section, hand, joint_of(tile, outer), outer);
   const Vec3 joint = hand.border[joint_of(tile, outer)].centre, start = to_plane(section, joint + from),
              end = to_plane(section, joint + to);
@@ -178,8 +174,8 @@ TEST(BorderLanes, GiveChordsAndBulgesOfOneBorderAtATime) {
       if (!found[k].own.clear) continue;
       ++clear;
       const BulgeMoments& bulge = found[k].own.bulge;
-      const TileBorders near = borders_in_reach(hand, tile, t.a, t.b, t.c);
-      const BorderCut alone = cut_at_borders(field_kernels(Isa::scalar), hand, tile, near, t.a, t.b, t.c);
+      const TileBorders near = borders_in_reach(hand, tile, t);
+      const BorderCut alone = cut_at_borders(field_kernels(Isa::scalar), hand, tile, near, t);
       if (!alone.crosses) {
         EXPECT_LT(std::fabs(bulge.volume), 1e-12 * square * kRadius) << i << ' ' << k;
         continue;

@@ -152,11 +152,11 @@ TEST(Finger, DepthInAnEndSphereIsThatInItsPhalanx) {
     const auto corner = [&] { return centre + random.in_box(random.between(0.002, 0.03)); };
     const Vec3 a = corner(), b = corner(), c = corner();
     Section section, whole;
-    if (!look_from_plane(sphere, a, b, c, section) || classify(section) == Overlap::apart) continue;
+    if (!look_from_plane(sphere, {a, b, c}, section) || classify(section) == Overlap::apart) continue;
     const double depth = finger_depth(hand, sphere, section).depth;
     if (!(depth > 1e-6)) continue;
     ++touching;
-    ASSERT_TRUE(look_from_plane(cut_capsule, a, b, c, whole));
+    ASSERT_TRUE(look_from_plane(cut_capsule, {a, b, c}, whole));
     EXPECT_NEAR(depth, largest_depth(whole).depth, 1e-13) << i;
   }
   EXPECT_GT(touching, 4000);

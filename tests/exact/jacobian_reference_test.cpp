@@ -47,8 +47,8 @@ Differences compare(TouchForm form, int pairs, double doubt, std::uint64_t seed,
       continue;
     }
     Matrix6 ours{};
-    EXPECT_TRUE(add_contact_jacobian(touch.primitive, touch.contact, touch.joint, touch.corner[0],
-                                     touch.corner[1], touch.corner[2], ours));
+    EXPECT_TRUE(add_contact_jacobian(touch.primitive, touch.contact, touch.joint,
+                                     {touch.corner[0], touch.corner[1], touch.corner[2]}, ours));
     result.sorted.push_back(test::difference(ours, measure(touch, fine), touch.radius));
   }
   std::sort(result.sorted.begin(), result.sorted.end());

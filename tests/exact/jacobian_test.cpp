@@ -58,8 +58,8 @@ Matrix6 sum_over(const Mesh& mesh, Primitive primitive, Vec3 joint, const Pose& 
     const Vec3 a = transform(X, mesh.vertices[t[0]]), b = transform(X, mesh.vertices[t[1]]),
                c = transform(X, mesh.vertices[t[2]]);
     Contact contact;
-    if (!collide(primitive, {}, a, b, c, boundary, contact)) continue;
-    EXPECT_TRUE(add_contact_jacobian(primitive, contact, transform(X, joint), a, b, c, sum));
+    if (!collide(primitive, {}, {a, b, c}, boundary, contact)) continue;
+    EXPECT_TRUE(add_contact_jacobian(primitive, contact, transform(X, joint), {a, b, c}, sum));
   }
   return sum;
 }
@@ -107,8 +107,8 @@ TEST(Jacobian, TheFlatOfAPalmOnAPlaneIsAsCalculatedByHand) {
     for (const Triangle& t : plane.triangles) {
       const Vec3 p = plane.vertices[t[0]], q = plane.vertices[t[1]], r = plane.vertices[t[2]];
       Contact contact;
-      if (!collide_slab(slab, Law::field, 0, p, q, r, contact)) continue;
-      EXPECT_TRUE(add_contact_jacobian(slab, contact, {}, p, q, r, sum));
+      if (!collide_slab(slab, Law::field, 0, {p, q, r}, contact)) continue;
+      EXPECT_TRUE(add_contact_jacobian(slab, contact, {}, {p, q, r}, sum));
     }
     std::array<Vec3, 6> forces{}, torques{};
     forces[2] = {0, 0, -area};
@@ -132,8 +132,8 @@ Matrix6 difference_of_forces(const test::RandomTouch& touch, double step) {
       const Pose X = k < 3 ? turn_about(touch.joint, by, {}) : turn_about(touch.joint, {}, by);
       Boundary boundary;
       Contact contact;
-      if (!collide(moved(touch.primitive, X), {}, touch.corner[0], touch.corner[1], touch.corner[2], boundary,
-                   contact)) {
+      if (!collide(moved(touch.primitive, X), {}, {touch.corner[0], touch.corner[1], touch.corner[2]},
+                   boundary, contact)) {
         continue;
       }
       side[i].force = contact.volume * contact.normal;
@@ -183,7 +183,7 @@ TEST(Jacobian, IsTheHessianOfAPotentialOverAClosedSurface) {
       Boundary boundary;
       for (const Triangle& t : mesh.triangles) {
         Contact contact;
-        if (!collide(primitive, {}, mesh.vertices[t[0]], mesh.vertices[t[1]], mesh.vertices[t[2]], boundary,
+        if (!collide(primitive, {}, {mesh.vertices[t[0]], mesh.vertices[t[1]], mesh.vertices[t[2]]}, boundary,
                      contact)) {
           continue;
         }
@@ -243,17 +243,17 @@ TEST(Jacobian, FlatCylindersAndNothingGiveNothing) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const Vec3 a{-0.01, -0.01, 0.001}, b{0.01, -0.01, 0.001}, c{0, 0.01, 0.001};
   Matrix6 sum{};
-  EXPECT_FALSE(add_contact_jacobian(primitive, Contact{}, {}, a, a, b, sum));
-  EXPECT_FALSE(add_contact_jacobian(primitive, Contact{}, {}, a, b, 0.5 * (a + b), sum));
-  EXPECT_FALSE(add_contact_jacobian(primitive, Contact{}, {}, a, b, {nan, 0, 0}, sum));
-  EXPECT_FALSE(add_contact_jacobian(primitive, Contact{}, {}, a + Vec3{1, 0, 0}, b + Vec3{1, 0, 0},
-                                    c + Vec3{1, 0, 0}, sum));
+  EXPECT_FALSE(add_contact_jacobian(primitive, Contact{}, {}, {a, a, b}, sum));
+  EXPECT_FALSE(add_contact_jacobian(primitive, Contact{}, {}, {a, b, 0.5 * (a + b)}, sum));
+  EXPECT_FALSE(add_contact_jacobian(primitive, Contact{}, {}, {a, b, {nan, 0, 0}}, sum));
+  EXPECT_FALSE(add_contact_jacobian(primitive, Contact{}, {},
+                                    {a + Vec3{1, 0, 0}, b + Vec3{1, 0, 0}, c + Vec3{1, 0, 0}}, sum));
   const SweptPolygon palm = test::box_palm(1, 1, 1, 1);
   const Slab slab = slab_of(palm, test::hand_of(palm).primitive[0]);
-  EXPECT_FALSE(add_contact_jacobian(Slab{}, Contact{}, {}, a, b, c, sum));
-  EXPECT_FALSE(add_contact_jacobian(slab, Contact{}, {}, a, a, b, sum));
+  EXPECT_FALSE(add_contact_jacobian(Slab{}, Contact{}, {}, {a, b, c}, sum));
+  EXPECT_FALSE(add_contact_jacobian(slab, Contact{}, {}, {a, a, b}, sum));
   primitive.shape = Shape::flat;
-  EXPECT_FALSE(add_contact_jacobian(primitive, Contact{}, {}, a, b, c, sum));
+  EXPECT_FALSE(add_contact_jacobian(primitive, Contact{}, {}, {a, b, c}, sum));
   EXPECT_EQ(sum, Matrix6{});
 }
 
@@ -278,8 +278,8 @@ TEST(Jacobian, StaysFiniteInDegeneratePoses) {
             Matrix6 sum{};
             Boundary boundary;
             Contact contact;
-            if (!collide(primitive, {}, a, b, c, boundary, contact)) continue;
-            EXPECT_TRUE(add_contact_jacobian(primitive, contact, start, a, b, c, sum));
+            if (!collide(primitive, {}, {a, b, c}, boundary, contact)) continue;
+            EXPECT_TRUE(add_contact_jacobian(primitive, contact, start, {a, b, c}, sum));
             EXPECT_LT(difference(sum, sum, 0.008), 1) << height;  // finite
           }
         }

@@ -58,8 +58,8 @@ TEST(Kernels, WhatTheyCallACertainMissHasNoContact) {
     field_kernels(Isa::scalar).certain_misses(terms);
     for (std::size_t k = 0; k < terms.count; ++k) {
       Contact contact;
-      const bool touching = collide(p, {Law::max_depth, 1e-4, nullptr}, corners[k][0], corners[k][1],
-                                    corners[k][2], boundary, contact);
+      const bool touching = collide(p, {Law::max_depth, 1e-4, nullptr},
+                                    {corners[k][0], corners[k][1], corners[k][2]}, boundary, contact);
       touches += touching ? 1 : 0;
       if (terms.miss[k] == 0) continue;
       ++misses;

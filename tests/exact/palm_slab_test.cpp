@@ -145,7 +145,7 @@ Pressed press(const Slab& slab, Isa isa, const std::vector<Triangle3>& triangles
   for (const std::uint32_t slot : alone) {
     const Triangle3& t = triangles[slot];
     Contact& contact = pressed.contact[slot];
-    if (!collide_slab(slab, Law::field, 1e-4, t[0], t[1], t[2], contact)) contact.area = 0;
+    if (!collide_slab(slab, Law::field, 1e-4, {t[0], t[1], t[2]}, contact)) contact.area = 0;
   }
   return pressed;
 }

@@ -224,7 +224,7 @@ TEST(PointRules, OfTrianglesWhollyInsideStateErrorsThatHold) {
     ++inside;
     const ContactQuery query{Law::field, 1e-4, nullptr, field_kernels(Isa::scalar)};
     Contact contact;
-    ASSERT_TRUE(collide(p, query, corner[0], corner[1], corner[2], boundary, contact));
+    ASSERT_TRUE(collide(p, query, {corner[0], corner[1], corner[2]}, boundary, contact));
     const double off = std::fabs(static_cast<double>(contact.volume - wanted.field.amount));
     const auto most = [&](double share) { return most_stated(share, p.radius1, p.end1, corner, area); };
     EXPECT_LE(off, contact.error) << "pair " << i << ", size " << size / 0.008 << ", area " << area;

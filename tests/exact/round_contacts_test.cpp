@@ -19,7 +19,7 @@ namespace {
 
 struct Pair {
   Primitive primitive;
-  Vec3 a, b, c;
+  Corners at;
 };
 
 constexpr double kRadius = 0.008;
@@ -42,24 +42,24 @@ Primitive random_part(Random& random, int shape, Vec3 direction) {
 
 // Triangles of a hundredth of R to thirty R that lie anyhow.
 Pair any_pair(Random& random, int shape) {
-  Pair pair{random_part(random, shape, random.direction()), {}, {}, {}};
+  Pair pair{random_part(random, shape, random.direction()), {}};
   const Primitive& p = pair.primitive;
   const double size = kRadius * std::pow(10.0, random.between(-2, 1.5));
   const Vec3 near =
       p.end1 + random.between(0, 1) * (p.end2 - p.end1) + random.between(0, 1) * kRadius * random.direction();
-  for (Vec3* corner : {&pair.a, &pair.b, &pair.c}) *corner = near + size * random.direction();
+  for (Vec3* corner : {&pair.at.a, &pair.at.b, &pair.at.c}) *corner = near + size * random.direction();
   return pair;
 }
 
 // Planes exactly across and exactly along the axis, near either end.
 Pair square_pair(Random& random, int shape) {
   const Vec3 axis[] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0, 0, -1}};
-  Pair pair{random_part(random, shape, axis[static_cast<std::size_t>(random.between(0, 4)) % 4]), {}, {}, {}};
+  Pair pair{random_part(random, shape, axis[static_cast<std::size_t>(random.between(0, 4)) % 4]), {}};
   const Primitive& p = pair.primitive;
   const double size = kRadius * std::pow(10.0, random.between(-2, 1.5));
   Vec3 near = random.between(0, 1) < 0.5 ? p.end1 : p.end2;
   near += Vec3{random.between(-1, 1), random.between(-1, 1), random.between(-1, 1)} * kRadius;
-  for (Vec3* corner : {&pair.a, &pair.b, &pair.c}) {
+  for (Vec3* corner : {&pair.at.a, &pair.at.b, &pair.at.c}) {
     const Vec3 d = random.direction();
     *corner = near + size * Vec3{d.x, d.y, 0};
   }
@@ -70,13 +70,13 @@ Pair square_pair(Random& random, int shape) {
 Pair flat_pair(Random& random, int shape) {
   const Vec3 along = random.direction(), n = unit_or(cross(along, random.direction()), {1, 0, 0});
   const double tilt = std::pow(10.0, random.between(-12, -2.4));
-  Pair pair{random_part(random, shape, unit_or(along + tilt * n, along)), {}, {}, {}};
+  Pair pair{random_part(random, shape, unit_or(along + tilt * n, along)), {}};
   const Primitive& p = pair.primitive;
   const double size = kRadius * std::pow(10.0, random.between(-1.5, 1.5));
   const Vec3 v = cross(n, along);
   const Vec3 near = p.end1 + random.between(-0.2, 1.2) * (p.end2 - p.end1) +
                     kRadius * (random.between(-1, 1) * n + random.between(-1, 1) * v);
-  for (Vec3* corner : {&pair.a, &pair.b, &pair.c})
+  for (Vec3* corner : {&pair.at.a, &pair.at.b, &pair.at.c})
     *corner = near + size * (random.between(-1, 1) * along + random.between(-1, 1) * v);
   return pair;
 }
@@ -88,10 +88,10 @@ void expect_agreement(const Pair& pair, Isa isa, int& touching) {
   const bool expected = [&] {
     Primitive aside = pair.primitive;
     aside.law = Law::column;  // keeps it from the kernel; the law asked for stays the query's
-    return collide(aside, query, pair.a, pair.b, pair.c, boundary, general);
+    return collide(aside, query, pair.at, boundary, general);
   }();
   const ContactQuery in_lanes{Law::field, 1e-4, nullptr, field_kernels(isa)};
-  const bool touches = collide(pair.primitive, in_lanes, pair.a, pair.b, pair.c, boundary, contact);
+  const bool touches = collide(pair.primitive, in_lanes, pair.at, boundary, contact);
   const double r = kRadius, area = r * r, volume = r * r * r;
   if (touches != expected) {
     EXPECT_LT(touches ? contact.area : general.area, 1e-12 * area);
@@ -194,7 +194,7 @@ TEST(RoundContacts, OfATriangleBetweenTwoTilesCountOnce) {
     int felt = 0;
     for (const Primitive& part : {left, right}) {
       Contact contact;
-      felt += collide(part, {}, a, turned ? c : b, turned ? b : c, boundary, contact) ? 1 : 0;
+      felt += collide(part, {}, {a, turned ? c : b, turned ? b : c}, boundary, contact) ? 1 : 0;
     }
     EXPECT_EQ(felt, 1);
   }
@@ -213,7 +213,7 @@ std::vector<Contact> through(void (*kernel)(RoundTerms&), RoundKind kind, std::s
       pairs, *terms, kernel,
       [](const Pair& pair, std::size_t k, RoundTerms& to) {
         const RoundHull hull = round_hull(pair.primitive);
-        put_pair(hull, seen_from(hull.origin, Corners{pair.a, pair.b, pair.c}),
+        put_pair(hull, seen_from(hull.origin, pair.at),
                  std::span(hull.cut).first(static_cast<std::size_t>(hull.cut_count)), k, to);
       },
       [&](const Pair&, std::size_t k, const RoundTerms& from) {
@@ -248,7 +248,7 @@ TEST(RoundContacts, AreTheSameWhateverSharesTheirRegister) {
       while (pairs.size() < 1000) {
         const Pair pair = flat ? flat_pair(random, shape) : any_pair(random, shape);
         const RoundHull hull = round_hull(pair.primitive);
-        const Corners at = seen_from(hull.origin, Corners{pair.a, pair.b, pair.c});
+        const Corners at = seen_from(hull.origin, pair.at);
         if ((kind_of(field_kernels(Isa::scalar), hull, at).zone == RoundZone::flat) == flat)
           pairs.push_back(pair);
       }

@@ -19,11 +19,10 @@ using namespace test;
 Contact alone(const Primitives& hand, const Primitive& tile, const Corners& t) {
   Boundary boundary;
   Contact contact;
-  const TileBorders borders = borders_on(hand, tile, t.a, t.b, t.c);
+  const TileBorders borders = borders_on(hand, tile, t);
   const bool touches =
-      borders.any()
-          ? collide_shared(hand, tile, borders, field_kernels(Isa::scalar), t.a, t.b, t.c, boundary, contact)
-          : collide(tile, {tile.law, 1e-4, &hand}, t.a, t.b, t.c, boundary, contact);
+      borders.any() ? collide_shared(hand, tile, borders, field_kernels(Isa::scalar), t, boundary, contact)
+                    : collide(tile, {tile.law, 1e-4, &hand}, t, boundary, contact);
   return touches ? contact : Contact{};
 }
 
@@ -171,8 +170,8 @@ TEST(TileBorder, EveryTriangleOfAPlaneIsSharedOutWithoutRest) {
     }
     for (const auto& t : plane.triangles) {
       for (std::size_t i = 0; i < 3; ++i) {
-        shared += borders_on(hand, hand.primitive[i], plane.vertices[t[0]], plane.vertices[t[1]],
-                             plane.vertices[t[2]])
+        shared += borders_on(hand, hand.primitive[i],
+                             {plane.vertices[t[0]], plane.vertices[t[1]], plane.vertices[t[2]]})
                       .any();
       }
     }
@@ -241,8 +240,8 @@ TEST(TileBorder, EqualRadiiKeepThePlanesAndTheirBits) {
     const Primitives hand = posed(shape, joints_of(shape, 0.1));
     for (const auto& t : plane.triangles) {
       for (std::size_t i = 0; i < 3; ++i) {
-        EXPECT_FALSE(borders_on(hand, hand.primitive[i], plane.vertices[t[0]], plane.vertices[t[1]],
-                                plane.vertices[t[2]])
+        EXPECT_FALSE(borders_on(hand, hand.primitive[i],
+                                {plane.vertices[t[0]], plane.vertices[t[1]], plane.vertices[t[2]]})
                          .any());
       }
     }
@@ -266,12 +265,12 @@ TEST(TileBorder, PlanesAreExactWhereTheBorderDoesNotMatter) {
     for (std::size_t k = 0; k < 3; ++k) {
       const TileBorders everywhere{k > 0, k < 2, k != 1 && hand.folded[1]};
       const Primitive& tile = hand.primitive[k];
-      if (borders_on(hand, tile, t.a, t.b, t.c).any()) continue;
+      if (borders_on(hand, tile, t).any()) continue;
       Boundary boundary;
       Contact quick, slow;
-      const bool touches = collide(tile, {Law::field, 1e-4, &hand}, t.a, t.b, t.c, boundary, quick);
-      if (!collide_shared(doubtful, doubtful.primitive[k], everywhere, field_kernels(Isa::scalar), t.a, t.b,
-                          t.c, boundary, slow))
+      const bool touches = collide(tile, {Law::field, 1e-4, &hand}, t, boundary, quick);
+      if (!collide_shared(doubtful, doubtful.primitive[k], everywhere, field_kernels(Isa::scalar), t,
+                          boundary, slow))
         slow = {};
       if (!touches) quick = {};
       EXPECT_NEAR(quick.volume / std::pow(kRadius, 3), slow.volume / std::pow(kRadius, 3), 1e-10)
@@ -305,8 +304,8 @@ TEST(TileBorder, LanesAndBulgesGiveWhatOnePairAloneGives) {
       EXPECT_NEAR(seen.area, expected.area, 1e-9 * std::pow(kRadius, 2)) << i << ' ' << pair;
       const Vec3 off = seen.volume * (seen.centre - t.a) - expected.volume * (expected.centre - t.a);
       EXPECT_LT(norm(off), 1e-9 * std::pow(kRadius, 4)) << i << ' ' << pair;
-      const BorderCut how = cut_at_borders(field_kernels(Isa::scalar), hand, tile,
-                                           borders_in_reach(hand, tile, t.a, t.b, t.c), t.a, t.b, t.c);
+      const BorderCut how =
+          cut_at_borders(field_kernels(Isa::scalar), hand, tile, borders_in_reach(hand, tile, t), t);
       cut += how.kind == CutKind::other;
       curved += how.kind == CutKind::other && how.crosses;
       gone += how.kind == CutKind::gone;
@@ -350,8 +349,7 @@ TEST(TileBorder, OtherLawsKeepThePlanes) {
   for (const Law law : {Law::column, Law::max_depth, Law::centroid, Law::point}) {
     const Primitives hand = posed(shape, joints_of(shape, 0), law);
     for (int i = 0; i < hand.count; ++i) {
-      EXPECT_FALSE(
-          borders_on(hand, hand.primitive[static_cast<std::size_t>(i)], floor.a, floor.b, floor.c).any());
+      EXPECT_FALSE(borders_on(hand, hand.primitive[static_cast<std::size_t>(i)], floor).any());
     }
   }
 }

@@ -366,7 +366,7 @@ std::uint64_t hash_pairs(Isa isa) {
                c = near + size * random.direction();
     Contact contact{};
     const ContactQuery query{Law::field, 1e-4, nullptr, field_kernels(isa)};
-    hasher.value(collide(primitive, query, a, b, c, boundary, contact));
+    hasher.value(collide(primitive, query, {a, b, c}, boundary, contact));
     hasher.bytes(&contact, sizeof contact);
   }
   return hasher.digest();

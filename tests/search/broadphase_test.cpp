@@ -92,7 +92,7 @@ int count_contacts(const Model& model, const Primitives& hand, const Candidates&
       Contact contact;
       const Primitive& primitive = hand.primitive[i];
       const double digits = 1e-12 * primitive.radius1 * primitive.radius1;
-      if (!collide(primitive, {Law::max_depth, 1e-4, nullptr}, a, b, c, boundary, contact) ||
+      if (!collide(primitive, {Law::max_depth, 1e-4, nullptr}, {a, b, c}, boundary, contact) ||
           contact.area < digits)
         continue;
       ++contacts;

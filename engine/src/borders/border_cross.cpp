@@ -111,8 +111,8 @@ Crossed cross_border(const JointBorder& border, bool is_outer_tile, const Vec3 (
 
 }  // namespace
 
-TriangleCuts cross_borders(const Primitives& hand, const Primitive& tile, const TileBorders& near, Vec3 a,
-                           Vec3 b, Vec3 c) {
+TriangleCuts cross_borders(const Primitives& hand, const Primitive& tile, const TileBorders& near,
+                           const Corners& at) {
   const auto [inner, outer, folded] = near;
   const auto is_far = [&](bool at_outer) { return !hand.border[joint_of(tile, at_outer)].near; };
   TriangleCuts cuts;
@@ -128,7 +128,7 @@ TriangleCuts cross_borders(const Primitives& hand, const Primitive& tile, const 
     if (!(at_outer ? outer : inner)) continue;
     const JointBorder& border = hand.border[joint_of(tile, at_outer)];
     const Crossed here =
-        cross_border(border, !at_outer, {a - border.centre, b - border.centre, c - border.centre});
+        cross_border(border, !at_outer, {at.a - border.centre, at.b - border.centre, at.c - border.centre});
     if (here.verdict == Verdict::unclear) cuts.kind = CutKind::general;
     if (here.verdict == Verdict::mine) cuts.cut[own_cut(tile, at_outer)].normal = {};
     if (here.verdict == Verdict::crossed) cuts.crossing[at_outer] = {true, here.from, here.to};

@@ -4,6 +4,7 @@
 #include <array>
 
 #include "borders/joint_border.h"
+#include "model/corners.h"
 #include "model/primitive.h"
 
 namespace lumbrical {
@@ -36,9 +37,9 @@ inline std::size_t joint_of(const Primitive& tile, bool outer) {
   return outer ? tile.segment : tile.segment - 1u;
 }
 
-/// How the near borders of `tile` go through the triangle a, b, c [m, W], `near` those in its reach. The cuts
+/// How the near borders of `tile` go through the triangle `at` [m, W], `near` those in its reach. The cuts
 /// in the place of borders that cross it are left to the caller.
-TriangleCuts cross_borders(const Primitives& hand, const Primitive& tile, const TileBorders& near, Vec3 a,
-                           Vec3 b, Vec3 c);
+TriangleCuts cross_borders(const Primitives& hand, const Primitive& tile, const TileBorders& near,
+                           const Corners& at);
 
 }  // namespace lumbrical

@@ -80,10 +80,10 @@ BulgeMoments in_space(const Section& section, const Bulge& bulge) {
 
 // The cut along the part of a border inside the section; false where it is not as simple as that.
 bool cut_along_border(const FieldKernels& kernels, const Primitives& hand, const Primitive& tile,
-                      const BorderCrossing& crossing, const Vec3 (&corner)[3], HalfSpace& half_space,
+                      const BorderCrossing& crossing, const Corners& at, HalfSpace& half_space,
                       BorderCut& cut) {
   Vec3 n;
-  if (!normal_of(corner[0], corner[1], corner[2], n)) {
+  if (!normal_of(at, n)) {
     cut.kind = CutKind::gone;
     return true;
   }
@@ -96,7 +96,7 @@ bool cut_along_border(const FieldKernels& kernels, const Primitives& hand, const
   half_space = {upright, joint, dot(upright, cut.from)};
   if (keeps_clear(tile, joint, cut.from, cut.to, cut.height)) return true;
   Section section;
-  if (!look_along(tile, corner[0], n, corner[1] - corner[0], section)) {
+  if (!look_along(tile, at.a, n, at.b - at.a, section)) {
     cut.kind = CutKind::gone;
     return true;
   }
@@ -126,8 +126,8 @@ bool keeps_to(const HalfSpace& space, Vec3 joint, Vec3 from, Vec3 to, double hei
 }
 
 BorderCut cut_at_borders(const FieldKernels& kernels, const Primitives& hand, const Primitive& tile,
-                         const TileBorders& near, Vec3 a, Vec3 b, Vec3 c) {
-  const TriangleCuts cuts = cross_borders(hand, tile, near, a, b, c);
+                         const TileBorders& near, const Corners& at) {
+  const TriangleCuts cuts = cross_borders(hand, tile, near, at);
   const auto& [inner, outer] = cuts.crossing;
   BorderCut cut;
   cut.kind = cuts.kind;
@@ -139,7 +139,7 @@ BorderCut cut_at_borders(const FieldKernels& kernels, const Primitives& hand, co
   }
   cut.outer = outer.exists;
   const std::size_t own = own_cut(tile, cut.outer);
-  if (!cut_along_border(kernels, hand, tile, cut.outer ? outer : inner, {a, b, c}, cut.cut[own], cut))
+  if (!cut_along_border(kernels, hand, tile, cut.outer ? outer : inner, at, cut.cut[own], cut))
     cut.kind = CutKind::general;
   // The bulge keeps to the tile's side of the other cut.
   const Vec3 joint = hand.border[joint_of(tile, cut.outer)].centre;
@@ -169,12 +169,12 @@ void add_bulge(const BulgeMoments& bulge, Contact& contact) {
   contact.error += bulge.error;
 }
 
-bool bulge_slope(const Primitives& hand, const Primitive& tile, const BorderCut& cut, Vec3 a, Vec3 b, Vec3 c,
+bool bulge_slope(const Primitives& hand, const Primitive& tile, const BorderCut& cut, const Corners& at,
                  SlopeMoments& slope) {
   if (!cut.crosses) return true;
   Section section;
   Vec3 n;
-  if (!normal_of(a, b, c, n) || !look_along(tile, a, n, b - a, section)) return false;
+  if (!normal_of(at, n) || !look_along(tile, at.a, n, at.b - at.a, section)) return false;
   const std::size_t phalanx = joint_of(tile, cut.outer);
   const Rival rival = joint_rival(section, hand, phalanx, cut.outer);
   const Chord chord = chord_of(section, hand.border[phalanx].centre, cut);

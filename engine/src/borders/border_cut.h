@@ -30,10 +30,10 @@ struct BorderCut {
   BulgeMoments bulge;              ///< what the tile gains beyond its chord
 };
 
-/// How `tile` [suits_lanes] and its neighbours share out the triangle a, b, c [m, W], `near` the borders in
+/// How `tile` [suits_lanes] and its neighbours share out the triangle `at` [m, W], `near` the borders in
 /// its reach. Two borders that cross it are `general` here, and so is one whose bulge can't be integrated.
 BorderCut cut_at_borders(const FieldKernels& kernels, const Primitives& hand, const Primitive& tile,
-                         const TileBorders& near, Vec3 a, Vec3 b, Vec3 c);
+                         const TileBorders& near, const Corners& at);
 
 /// Does what lies no farther than `height` from the chord keep to the side of `space` that is kept? Its ends
 /// are relative to the joint; a normal of 0 keeps everything.
@@ -47,7 +47,7 @@ void add_bulge(const BulgeMoments& bulge, Contact& contact);
 
 /// The bulge's part in the contact's Jacobian, in the plane coordinates of its section
 /// (`integrate_bulge_slope`); zero where no border crosses. False where it can't be integrated.
-bool bulge_slope(const Primitives& hand, const Primitive& tile, const BorderCut& cut, Vec3 a, Vec3 b, Vec3 c,
+bool bulge_slope(const Primitives& hand, const Primitive& tile, const BorderCut& cut, const Corners& at,
                  SlopeMoments& slope);
 
 }  // namespace lumbrical

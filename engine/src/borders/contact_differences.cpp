@@ -25,7 +25,7 @@ MovedContact contact_of_moved(const FieldKernels& kernels, const Primitives& han
   const Quat turn = normalized({1, 0.5 * angle.x, 0.5 * angle.y, 0.5 * angle.z});
   const auto seen = [&](Vec3 p) { return joint + rotate(conjugate(turn), p - joint - shift); };
   Boundary boundary;
-  hand_contact(hand, kernels, 0, seen(at.a), seen(at.b), seen(at.c), boundary, contact);
+  hand_contact(hand, kernels, 0, {seen(at.a), seen(at.b), seen(at.c)}, boundary, contact);
   if (!(contact.area > 0)) return {};
   const Vec3 force = contact.volume * contact.normal;
   return {{rotate(turn, force), rotate(turn, cross(contact.centre - joint, force))}, contact.error};

@@ -73,37 +73,37 @@ bool collide_section(const Primitive& primitive, const ContactQuery& query, cons
 
 }  // namespace
 
-bool general_contact(const Primitive& primitive, const ContactQuery& query, Vec3 a, Vec3 b, Vec3 c,
+bool general_contact(const Primitive& primitive, const ContactQuery& query, const Corners& at,
                      Boundary& boundary, Contact& contact) {
   Section section;
-  if (!look_from_plane(primitive, a, b, c, section) ||
+  if (!look_from_plane(primitive, at, section) ||
       !collide_section(primitive, query, section, boundary, contact))
     return false;
   if (query.law == Law::field || query.law == Law::column)
-    contact.error += plane_rounding(section.origin, a, b, c) * contact.area;
+    contact.error += plane_rounding(section.origin, at) * contact.area;
   return true;
 }
 
-void hand_contact(const Primitives& hand, const FieldKernels& kernels, double point_area, Vec3 a, Vec3 b,
-                  Vec3 c, Boundary& boundary, Contact& contact) {
+void hand_contact(const Primitives& hand, const FieldKernels& kernels, double point_area, const Corners& at,
+                  Boundary& boundary, Contact& contact) {
   const Primitive& primitive = hand.primitive[contact.primitive];
   contact.error = 0;
   bool touches = false;
   if (primitive.shape == Shape::slab) {
-    touches = collide_slab(slab_of(hand.palm, primitive), primitive.law, point_area, a, b, c, contact);
-  } else if (const TileBorders borders = borders_on(hand, primitive, a, b, c); borders.any()) {
-    touches = collide_shared(hand, primitive, borders, kernels, a, b, c, boundary, contact);
+    touches = collide_slab(slab_of(hand.palm, primitive), primitive.law, point_area, at, contact);
+  } else if (const TileBorders borders = borders_on(hand, primitive, at); borders.any()) {
+    touches = collide_shared(hand, primitive, borders, kernels, at, boundary, contact);
     contact.depth = 0;
   } else {
     const ContactQuery query{primitive.law, point_area, &hand, kernels, primitive.law != Law::field};
-    touches = general_contact(primitive, query, a, b, c, boundary, contact);
+    touches = general_contact(primitive, query, at, boundary, contact);
   }
   if (!touches) contact.area = 0;
 }
 
-double hand_depth(const Primitives& hand, const Primitive& primitive, Vec3 a, Vec3 b, Vec3 c) {
+double hand_depth(const Primitives& hand, const Primitive& primitive, const Corners& at) {
   Section section;
-  if (!look_from_plane(primitive, a, b, c, section)) return 0;
+  if (!look_from_plane(primitive, at, section)) return 0;
   const bool whole_finger = primitive.phalanx[0] >= 0;
   return (whole_finger ? finger_depth(hand, primitive, section) : largest_depth(section)).depth;
 }

@@ -19,18 +19,18 @@ struct ContactQuery {
   bool depth = true;  ///< tell Contact::depth even where the law does without
 };
 
-/// Contact of a round or flat primitive, cut by its planes, with the triangle a, b, c [m, W]. Sets everything
+/// Contact of a round or flat primitive, cut by its planes, with the triangle `at` [m, W]. Sets everything
 /// but the indices. `boundary` is working memory. False where they have no area in common.
-bool general_contact(const Primitive& primitive, const ContactQuery& query, Vec3 a, Vec3 b, Vec3 c,
+bool general_contact(const Primitive& primitive, const ContactQuery& query, const Corners& at,
                      Boundary& boundary, Contact& contact);
 
-/// Contact of the primitive of a hand that contact.primitive names with the triangle a, b, c [m, W], whatever
+/// Contact of the primitive of a hand that contact.primitive names with the triangle `at` [m, W], whatever
 /// it is and shares out with others; without depth where the law does without. An area of zero marks that
 /// there is none.
-void hand_contact(const Primitives& hand, const FieldKernels& kernels, double point_area, Vec3 a, Vec3 b,
-                  Vec3 c, Boundary& boundary, Contact& contact);
+void hand_contact(const Primitives& hand, const FieldKernels& kernels, double point_area, const Corners& at,
+                  Boundary& boundary, Contact& contact);
 
 /// Contact::depth of such a contact of a round primitive under the field law.
-double hand_depth(const Primitives& hand, const Primitive& primitive, Vec3 a, Vec3 b, Vec3 c);
+double hand_depth(const Primitives& hand, const Primitive& primitive, const Corners& at);
 
 }  // namespace lumbrical

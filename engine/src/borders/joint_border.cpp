@@ -133,13 +133,14 @@ struct Bound {
   double radius;
 };
 
-Bound bound_of(Vec3 a, Vec3 b, Vec3 c) {
+Bound bound_of(const Corners& at) {
+  const auto& [a, b, c] = at;
   const Vec3 to_b = b - a, to_c = c - a, middle = (to_b + to_c) / 3.0;
   return {a + middle, max(norm(middle), max(norm(to_b - middle), norm(to_c - middle)))};
 }
 
-bool reaches(const Primitive& capsule, Vec3 a, Vec3 b, Vec3 c) {
-  const Bound bound = bound_of(a, b, c);
+bool reaches(const Primitive& capsule, const Corners& at) {
+  const Bound bound = bound_of(at);
   return segment_distance(Segment{capsule.end1, capsule.end2}, Segment{bound.centre, bound.centre}) <=
          kMargin * (max(capsule.radius1, capsule.radius2) + bound.radius);
 }
@@ -167,39 +168,40 @@ void set_folded_fingers(Primitives& hand) {
   }
 }
 
-bool is_in_reach(const JointBorder& border, Vec3 a, Vec3 b, Vec3 c) {
+bool is_in_reach(const JointBorder& border, const Corners& at) {
+  const auto& [a, b, c] = at;
   const Vec3 n = cross(b - a, c - a);
   const double height = dot(n, a - border.centre);
   if (height * height > border.reach * border.reach * dot(n, n)) return false;
-  const Bound bound = bound_of(a, b, c);
+  const Bound bound = bound_of(at);
   return norm(bound.centre - border.centre) <= border.reach + bound.radius;
 }
 
-bool meets_folded(const Primitives& hand, const Primitive& tile, Vec3 a, Vec3 b, Vec3 c) {
+bool meets_folded(const Primitives& hand, const Primitive& tile, const Corners& at) {
   const std::size_t i = tile.segment;
-  return reaches(hand.capsule[i % 3 == 0 ? i + 2 : i - 2], a, b, c);
+  return reaches(hand.capsule[i % 3 == 0 ? i + 2 : i - 2], at);
 }
 
 namespace {
 
 // Has the tile anything in the triangle's plane between the two planes that hold the border?
-bool reaches_between(const JointBorder& border, const Primitive& tile, Vec3 a, Vec3 b, Vec3 c) {
+bool reaches_between(const JointBorder& border, const Primitive& tile, const Corners& at) {
   Primitive between = tile;
   between.cut_count = 2;
   between.cut = {{{border.normal, border.centre + border.slab * border.normal},
                   {-border.normal, border.centre - border.slab * border.normal}}};
   Section section;
-  return look_from_plane(between, a, b, c, section) && classify(section) != Overlap::apart;
+  return look_from_plane(between, at, section) && classify(section) != Overlap::apart;
 }
 
 }  // namespace
 
-TileBorders borders_on(const Primitives& hand, const Primitive& tile, Vec3 a, Vec3 b, Vec3 c) {
+TileBorders borders_on(const Primitives& hand, const Primitive& tile, const Corners& at) {
   if (tile.law != Law::field || tile.shape != Shape::round) return {};
   const std::size_t i = tile.segment;
-  TileBorders borders = borders_in_reach(hand, tile, a, b, c);
-  borders.inner = borders.inner && reaches_between(hand.border[i - 1], tile, a, b, c);
-  borders.outer = borders.outer && reaches_between(hand.border[i], tile, a, b, c);
+  TileBorders borders = borders_in_reach(hand, tile, at);
+  borders.inner = borders.inner && reaches_between(hand.border[i - 1], tile, at);
+  borders.outer = borders.outer && reaches_between(hand.border[i], tile, at);
   return borders;
 }
 

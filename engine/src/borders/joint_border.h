@@ -8,6 +8,7 @@
 // one of the two comes into reach.
 #pragma once
 
+#include "model/corners.h"
 #include "model/primitive.h"
 
 namespace lumbrical {
@@ -40,12 +41,12 @@ inline double segment_distance(const Primitive& a, const Primitive& b) {
 }
 
 /// Could this border be anything but a plane on the triangle? Cheap.
-bool is_in_reach(const JointBorder& border, Vec3 a, Vec3 b, Vec3 c);
-inline bool comes_near(const JointBorder& border, Vec3 a, Vec3 b, Vec3 c) {
-  const double ha = dot(border.normal, a - border.centre), hb = dot(border.normal, b - border.centre),
-               hc = dot(border.normal, c - border.centre);
+bool is_in_reach(const JointBorder& border, const Corners& at);
+inline bool comes_near(const JointBorder& border, const Corners& at) {
+  const double ha = dot(border.normal, at.a - border.centre), hb = dot(border.normal, at.b - border.centre),
+               hc = dot(border.normal, at.c - border.centre);
   if (min(ha, min(hb, hc)) > border.slab || max(ha, max(hb, hc)) < -border.slab) return false;
-  return is_in_reach(border, a, b, c);
+  return is_in_reach(border, at);
 }
 
 /// Which of a tile's borders run through a triangle other than along its cutting planes.
@@ -56,7 +57,7 @@ struct TileBorders {
 };
 
 /// Does the phalanx folded upon the tile reach the triangle? Cheap.
-bool meets_folded(const Primitives& hand, const Primitive& tile, Vec3 a, Vec3 b, Vec3 c);
+bool meets_folded(const Primitives& hand, const Primitive& tile, const Corners& at);
 
 /// The border of `tile` with the next phalanx towards the wrist, or away from it, where the two share out
 /// space other than along a plane; else null.
@@ -72,15 +73,15 @@ inline bool is_folded(const Primitives& hand, const Primitive& tile) {
 }
 
 /// Which of them may do so. Cheap: most triangles end here.
-inline TileBorders borders_in_reach(const Primitives& hand, const Primitive& tile, Vec3 a, Vec3 b, Vec3 c) {
+inline TileBorders borders_in_reach(const Primitives& hand, const Primitive& tile, const Corners& at) {
   const JointBorder* const inner = tile_border(hand, tile, false);
   const JointBorder* const outer = tile_border(hand, tile, true);
-  return {inner != nullptr && comes_near(*inner, a, b, c), outer != nullptr && comes_near(*outer, a, b, c),
-          is_folded(hand, tile) && meets_folded(hand, tile, a, b, c)};
+  return {inner != nullptr && comes_near(*inner, at), outer != nullptr && comes_near(*outer, at),
+          is_folded(hand, tile) && meets_folded(hand, tile, at)};
 }
 
-/// The borders of `tile` on the triangle a, b, c [m, W]. Where there are none, the contact with the tile cut
+/// The borders of `tile` on the triangle `at` [m, W]. Where there are none, the contact with the tile cut
 /// by its planes is exact.
-TileBorders borders_on(const Primitives& hand, const Primitive& tile, Vec3 a, Vec3 b, Vec3 c);
+TileBorders borders_on(const Primitives& hand, const Primitive& tile, const Corners& at);
 
 }  // namespace lumbrical

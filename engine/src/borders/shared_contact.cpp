@@ -344,8 +344,7 @@ void cut_to_section(const Section& section, Polygon2& polygon) {
 }  // namespace
 
 bool collide_shared(const Primitives& hand, const Primitive& tile, const TileBorders& borders,
-                    const FieldKernels& kernels, Vec3 a, Vec3 b, Vec3 c, Boundary& boundary,
-                    Contact& contact) {
+                    const FieldKernels& kernels, const Corners& at, Boundary& boundary, Contact& contact) {
   const std::size_t phalanx = tile.segment, place = phalanx % 3;
   // Where a border is not its plane it still has to lie near it; the others' planes are exact.
   Primitive cut = tile;
@@ -353,7 +352,7 @@ bool collide_shared(const Primitives& hand, const Primitive& tile, const TileBor
   if (borders.inner) widen(0);
   if (borders.outer) widen(static_cast<std::size_t>(tile.cut_count - 1));
   Section section;
-  if (!look_from_plane(cut, a, b, c, section)) return false;
+  if (!look_from_plane(cut, at, section)) return false;
   Work work{section, kernels, boundary};
   const auto add_rival = [&](const Rival& rival) {
     work.rival[static_cast<std::size_t>(work.rival_count++)] = rival;
@@ -380,7 +379,7 @@ bool collide_shared(const Primitives& hand, const Primitive& tile, const TileBor
   contact.centre = work.volume > 0 ? to_world(section, (1 / work.volume) * work.first) : contact.centroid;
   contact.normal = section.n;
   contact.error = work.error + kBoundaryError * section.radius1 * section.radius1 * section.radius1 +
-                  plane_rounding(section.origin, a, b, c) * work.area;
+                  plane_rounding(section.origin, at) * work.area;
   return true;
 }
 

@@ -14,7 +14,6 @@ namespace lumbrical {
 /// tile and triangle have no area in common. `borders` are those on this triangle; where there are none, the
 /// contact with the tile cut by its planes is the same.
 bool collide_shared(const Primitives& hand, const Primitive& tile, const TileBorders& borders,
-                    const FieldKernels& kernels, Vec3 a, Vec3 b, Vec3 c, Boundary& boundary,
-                    Contact& contact);
+                    const FieldKernels& kernels, const Corners& at, Boundary& boundary, Contact& contact);
 
 }  // namespace lumbrical

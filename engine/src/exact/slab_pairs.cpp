@@ -51,7 +51,7 @@ void read_contact(const SlabResults<N>& results, std::size_t k, const Slab& slab
   contact.area = results.area[k];
   contact.volume = results.volume[k];
   contact.depth = results.depth[k];
-  contact.error = slab_error(slab, at.a, at.b, at.c, contact.area);
+  contact.error = slab_error(slab, at, contact.area);
   contact.normal = vector_at(results.normal, k);
   contact.centroid = origin + vector_at(results.centroid, k);
   contact.centre = origin + vector_at(results.centre, k);

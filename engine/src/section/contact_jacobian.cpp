@@ -254,10 +254,10 @@ void add_line_terms(const Facet& facet, const Field& field, const ContactPlace& 
 
 }  // namespace
 
-bool add_contact_jacobian(const Primitive& primitive, const Contact& contact, Vec3 joint, Vec3 a, Vec3 b,
-                          Vec3 c, Matrix6& sum, const SlopeMoments& bulge) {
+bool add_contact_jacobian(const Primitive& primitive, const Contact& contact, Vec3 joint, const Corners& at,
+                          Matrix6& sum, const SlopeMoments& bulge) {
   Section section;
-  if (primitive.shape != Shape::round || !look_from_plane(primitive, a, b, c, section)) return false;
+  if (primitive.shape != Shape::round || !look_from_plane(primitive, at, section)) return false;
   const Overlap overlap = classify(section);
   if (overlap == Overlap::apart) return false;
   Boundary boundary;
@@ -271,7 +271,7 @@ bool add_contact_jacobian(const Primitive& primitive, const Contact& contact, Ve
   facet.u = section.u;
   facet.v = section.v;
   facet.n = section.n;
-  const Vec3 corner[3] = {a - section.origin, b - section.origin, c - section.origin};
+  const Vec3 corner[3] = {at.a - section.origin, at.b - section.origin, at.c - section.origin};
   for (std::size_t i = 0; i < 3; ++i)
     facet.corner[i] = {dot(corner[i], section.u), dot(corner[i], section.v)};
   for (std::size_t i = 0; i < primitive.cut_count; ++i) {
@@ -295,10 +295,11 @@ bool add_contact_jacobian(const Primitive& primitive, const Contact& contact, Ve
   return true;
 }
 
-bool add_contact_jacobian(const Slab& slab, const Contact& contact, Vec3 joint, Vec3 a, Vec3 b, Vec3 c,
+bool add_contact_jacobian(const Slab& slab, const Contact& contact, Vec3 joint, const Corners& at,
                           Matrix6& sum) {
   Facet facet;
-  if (slab.face_count == 0 || !normal_of(a, b, c, facet.n)) return false;
+  if (slab.face_count == 0 || !normal_of(at, facet.n)) return false;
+  const auto& [a, b, c] = at;
   facet.arm = a - joint;
   facet.u = unit_or(b - a, Vec3{});
   facet.v = cross(facet.n, facet.u);

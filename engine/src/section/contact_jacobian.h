@@ -3,20 +3,21 @@
 #pragma once
 
 #include "lumbrical/contact.h"
+#include "model/corners.h"
 #include "model/swept_polygon.h"
 #include "section/pressure.h"
 
 namespace lumbrical {
 
 /// Adds to `sum` the derivative of (force, torque about `joint`) / K_s of `contact`, which the field law
-/// found between the triangle a, b, c [m, W] and a round primitive or a slab. Blocks [m^2 m^3; m^3 m^4].
+/// found between the triangle `at` [m, W] and a round primitive or a slab. Blocks [m^2 m^3; m^3 m^4].
 /// False, and `sum` untouched, where they don't touch and for a flat primitive, whose field doesn't vanish on
 /// its ends.
 ///
 /// Of a tile `primitive` has the cuts of this triangle and `bulge` what lies beyond (border_cut.h).
-bool add_contact_jacobian(const Primitive& primitive, const Contact& contact, Vec3 joint, Vec3 a, Vec3 b,
-                          Vec3 c, Matrix6& sum, const SlopeMoments& bulge = {});
-bool add_contact_jacobian(const Slab& slab, const Contact& contact, Vec3 joint, Vec3 a, Vec3 b, Vec3 c,
+bool add_contact_jacobian(const Primitive& primitive, const Contact& contact, Vec3 joint, const Corners& at,
+                          Matrix6& sum, const SlopeMoments& bulge = {});
+bool add_contact_jacobian(const Slab& slab, const Contact& contact, Vec3 joint, const Corners& at,
                           Matrix6& sum);
 
 }  // namespace lumbrical

@@ -111,8 +111,8 @@ void set_round_zones(Section& section) {
   add_sphere_zone(Zone::second_end, border.second, kInfinity, x2, section.radius2, section.h2, section);
 }
 
-void set_polygon(const Primitive& primitive, Vec3 a, Vec3 b, Vec3 c, Section& section) {
-  PlacedTriangle triangle{{a, b, c}, section.n, {}};
+void set_polygon(const Primitive& primitive, const Corners& at, Section& section) {
+  PlacedTriangle triangle{{at.a, at.b, at.c}, section.n, {}};
   section.polygon.count = 3;
   for (std::size_t i = 0; i < 3; ++i) {
     const Vec3 corner = triangle.corner[i] - section.origin;
@@ -155,7 +155,8 @@ void cut_by(const Excess& excess, Polygon2& polygon) {
 
 }  // namespace
 
-bool normal_of(Vec3 a, Vec3 b, Vec3 c, Vec3& n) {
+bool normal_of(const Corners& at, Vec3& n) {
+  const auto& [a, b, c] = at;
   const Vec3 ab = b - a, ac = c - a, bc = c - b;
   const Vec3 normal = cross(ab, ac);
   const double length = norm(normal);
@@ -238,20 +239,18 @@ bool look_along(const Primitive& primitive, Vec3 point, Vec3 n, Vec3 along, Sect
   return section.zone_count > 0;
 }
 
-double plane_rounding(Vec3 place, Vec3 a, Vec3 b, Vec3 c) {
-  a -= place;
-  b -= place;
-  c -= place;
+double plane_rounding(Vec3 place, const Corners& at) {
+  const Vec3 a = at.a - place, b = at.b - place, c = at.c - place;
   const Vec3 ab = b - a, ac = c - a, bc = c - b, raw = cross(ab, ac);
   const double far = max(dot(a, a), max(dot(b, b), dot(c, c)));
   const double longest = max(dot(ab, ab), max(dot(ac, ac), dot(bc, bc)));
   return kPlaneRounding * std::sqrt(far) * (longest / norm(raw));
 }
 
-bool look_from_plane(const Primitive& primitive, Vec3 a, Vec3 b, Vec3 c, Section& section) {
+bool look_from_plane(const Primitive& primitive, const Corners& at, Section& section) {
   Vec3 n;
-  if (!normal_of(a, b, c, n) || !look_along(primitive, a, n, b - a, section)) return false;
-  set_polygon(primitive, a, b, c, section);
+  if (!normal_of(at, n) || !look_along(primitive, at.a, n, at.b - at.a, section)) return false;
+  set_polygon(primitive, at, section);
   return section.polygon.count >= 3;
 }
 

@@ -11,6 +11,7 @@
 #include <array>
 
 #include "lumbrical/math.h"
+#include "model/corners.h"
 #include "model/primitive.h"
 
 namespace lumbrical {
@@ -72,20 +73,20 @@ struct Borders {
 Borders zone_borders(const Section& section);
 
 /// Outward unit normal of a triangle; false where it has no area to speak of or isn't finite.
-bool normal_of(Vec3 a, Vec3 b, Vec3 c, Vec3& n);
+bool normal_of(const Corners& at, Vec3& n);
 
-/// Looks at `primitive` (round or flat) from the plane of the triangle a, b, c [m]. False where they can't be
+/// Looks at `primitive` (round or flat) from the plane of the triangle `at` [m]. False where they can't be
 /// in contact: a triangle without area or not finite, a plane that misses the primitive, or nothing left by
 /// the cuts.
-bool look_from_plane(const Primitive& primitive, Vec3 a, Vec3 b, Vec3 c, Section& section);
+bool look_from_plane(const Primitive& primitive, const Corners& at, Section& section);
 
 /// The same for the plane through `point` with unit normal `n`, of which `along` is not a multiple. Sets
 /// everything but the polygon. False where the plane misses the primitive.
 bool look_along(const Primitive& primitive, Vec3 point, Vec3 n, Vec3 along, Section& section);
 
-/// [m] What rounding of the triangle a, b, c leaves in the heights over its plane (kPlaneRounding) of a
+/// [m] What rounding of the triangle `at` leaves in the heights over its plane (kPlaneRounding) of a
 /// primitive at `place` [m, W].
-double plane_rounding(Vec3 place, Vec3 a, Vec3 b, Vec3 c);
+double plane_rounding(Vec3 place, const Corners& at);
 
 /// Area and centroid of a polygon, 0 where it is empty.
 struct AreaMoments {

@@ -45,7 +45,8 @@ Moments moments_of(const Polygon2& polygon, const Linear& f) {
 }
 
 // What the faces leave of the triangle; no corners where nothing is left.
-Polygon2 polygon_in(const Slab& slab, Vec3 a, Vec3 b, Vec3 c, const Plane& plane) {
+Polygon2 polygon_in(const Slab& slab, const Corners& at, const Plane& plane) {
+  const auto& [a, b, c] = at;
   Polygon2 polygon;
   polygon.count = 3;
   polygon.corner[0] = {0, 0};
@@ -73,12 +74,12 @@ Point2 deepest_corner(const Polygon2& polygon, const Linear& field) {
 
 }  // namespace
 
-bool collide_slab(const Slab& slab, Law law, double point_area, Vec3 a, Vec3 b, Vec3 c, Contact& contact) {
-  Plane plane{a, {}, {}, {}};
-  if (!normal_of(a, b, c, plane.n)) return false;
-  plane.u = unit_or(b - a, Vec3{});
+bool collide_slab(const Slab& slab, Law law, double point_area, const Corners& at, Contact& contact) {
+  Plane plane{at.a, {}, {}, {}};
+  if (!normal_of(at, plane.n)) return false;
+  plane.u = unit_or(at.b - at.a, Vec3{});
   plane.v = cross(plane.n, plane.u);
-  const Polygon2 polygon = polygon_in(slab, a, b, c, plane);
+  const Polygon2 polygon = polygon_in(slab, at, plane);
   if (polygon.count < 3) return false;
   const AreaMoments area = polygon_area(polygon);
   if (!(area.area > 0)) return false;
@@ -105,13 +106,13 @@ bool collide_slab(const Slab& slab, Law law, double point_area, Vec3 a, Vec3 b, 
   contact.centroid = to_world(area.centroid);
   contact.centre = to_world(centre);
   contact.normal = plane.n;
-  contact.error = slab_error(slab, a, b, c, area.area);
+  contact.error = slab_error(slab, at, area.area);
   return true;
 }
 
-double slab_error(const Slab& slab, Vec3 a, Vec3 b, Vec3 c, double area) {
+double slab_error(const Slab& slab, const Corners& at, double area) {
   const double r = slab.thickness;
-  return kDiscError * r * r * r + plane_rounding(slab.face[1].point, a, b, c) * area;
+  return kDiscError * r * r * r + plane_rounding(slab.face[1].point, at) * area;
 }
 
 }  // namespace lumbrical

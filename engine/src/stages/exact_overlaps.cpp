@@ -37,10 +37,10 @@ struct Touched {
   std::array<Cone, kPhalanxCount> cone{};
 
   [[nodiscard]] bool set_plane() {
-    const auto& [a, b, c] = corner;
-    if (!normal_of(a, b, c, plane.n)) return false;
-    plane.origin = a;
-    plane.u = (1 / norm(b - a)) * (b - a);
+    if (!normal_of(corner, plane.n)) return false;
+    plane.origin = corner.a;
+    const Vec3 edge = corner.b - corner.a;
+    plane.u = (1 / norm(edge)) * edge;
     plane.v = cross(plane.n, plane.u);
     for (std::size_t i = 0; i < kPhalanxCount; ++i) {
       if ((segments >> i & 1u) == 0) continue;

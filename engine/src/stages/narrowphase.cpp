@@ -69,7 +69,7 @@ struct Work {
 // A pair of a tile with a triangle that others may have a share of.
 void sort_shared(std::uint32_t slot, const Corners& at, const TileBorders& near, Work& work) {
   const Primitive& tile = work.pairs.primitive(slot);
-  const TriangleCuts cuts = cross_borders(work.pairs.hand, tile, near, at.a, at.b, at.c);
+  const TriangleCuts cuts = cross_borders(work.pairs.hand, tile, near, at);
   if (cuts.kind == CutKind::gone) return;
   if (cuts.kind == CutKind::general) {
     work.alone.push_back(slot);
@@ -122,7 +122,7 @@ void sort_round(std::span<const Contact> contacts, Work& work) {
     work.cut_count[number] = std::max(work.cut_count[number], hull.cut_count);
     if (from.near[0][k] != 0 || from.near[1][k] != 0 || folded) {
       const Corners at = work.pairs.corners(slot);
-      const TileBorders near = borders_in_reach(hand, primitive, at.a, at.b, at.c);
+      const TileBorders near = borders_in_reach(hand, primitive, at);
       if (near.any()) return sort_shared(slot, at, near, work);
     }
     work.round.push_back(slot);
@@ -168,8 +168,8 @@ void cut_crossed(Work& work) {
     OwnCuts& own = *work.own_cuts(slot);
     if (!own.clear) {
       const Primitive& tile = pairs.primitive(slot);
-      const TileBorders near = borders_in_reach(pairs.hand, tile, at.a, at.b, at.c);
-      const BorderCut cut = cut_at_borders(pairs.kernels, pairs.hand, tile, near, at.a, at.b, at.c);
+      const TileBorders near = borders_in_reach(pairs.hand, tile, at);
+      const BorderCut cut = cut_at_borders(pairs.kernels, pairs.hand, tile, near, at);
       if (cut.kind == CutKind::gone) continue;
       if (cut.kind == CutKind::general) {
         work.own_of[slot] = kTilesOwn;
@@ -244,7 +244,7 @@ void add_own_bulge(Work& work, std::uint32_t slot) {
   Contact& contact = work.pairs.contact[slot];
   if (!(contact.area > 0)) {
     const Corners at = work.pairs.corners(slot);
-    if (!(bulge.area > 0) || !normal_of(at.a, at.b, at.c, contact.normal)) return;
+    if (!(bulge.area > 0) || !normal_of(at, contact.normal)) return;
     contact.depth = contact.volume = contact.error = 0;
     contact.centroid = contact.centre = bulge.base;
   }
@@ -288,15 +288,15 @@ void collide_alone(Work& work) {
   const PairSlots& pairs = work.pairs;
   for (const std::uint32_t slot : work.alone) {
     Contact& contact = pairs.contact[slot];
-    const auto [a, b, c] = pairs.corners(slot);
+    const Corners at = pairs.corners(slot);
     const OwnCuts* const own = work.own_cuts(slot);
     if (own == nullptr) {
-      hand_contact(pairs.hand, pairs.kernels, work.point_area, a, b, c, boundary, contact);
+      hand_contact(pairs.hand, pairs.kernels, work.point_area, at, boundary, contact);
       continue;
     }
     const Primitive tile = tile_cut_so(pairs.primitive(slot), own->cut);
     const ContactQuery query{tile.law, work.point_area, nullptr, pairs.kernels, false};
-    if (!general_contact(tile, query, a, b, c, boundary, contact)) contact.area = 0;
+    if (!general_contact(tile, query, at, boundary, contact)) contact.area = 0;
     add_own_bulge(work, slot);
   }
 }
@@ -327,17 +327,17 @@ void keep_in_triangle(const Triangles& world, Contact& contact) {
 
 }  // namespace
 
-bool collide(const Primitive& primitive, const ContactQuery& query, Vec3 a, Vec3 b, Vec3 c,
-             Boundary& boundary, Contact& contact) {
+bool collide(const Primitive& primitive, const ContactQuery& query, const Corners& at, Boundary& boundary,
+             Contact& contact) {
   if (!suits_lanes(primitive) || query.law != Law::field)
-    return general_contact(primitive, query, a, b, c, boundary, contact);
+    return general_contact(primitive, query, at, boundary, contact);
   const RoundHull hull = round_hull(primitive);
-  const Corners at = seen_from(hull.origin, Corners{a, b, c});
+  const Corners seen = seen_from(hull.origin, at);
   RoundTerms terms;
   terms.depths = true;
-  set_kind(kind_of(query.kernels, hull, at), hull.cut_count, terms);
+  set_kind(kind_of(query.kernels, hull, seen), hull.cut_count, terms);
   const auto gather = [&](const RoundHull& of, std::size_t k, RoundTerms& to) {
-    put_pair(of, at, of.cut, k, to);
+    put_pair(of, seen, of.cut, k, to);
   };
   contact.area = 0;
   double status = kUnsure;
@@ -354,7 +354,7 @@ bool collide(const Primitive& primitive, const ContactQuery& query, Vec3 a, Vec3
                     if (status == kContact) add_sliver(from, k, hull.origin, contact);
                   });
   }
-  if (status == kUnsure) return general_contact(primitive, query, a, b, c, boundary, contact);
+  if (status == kUnsure) return general_contact(primitive, query, at, boundary, contact);
   return contact.area > 0;
 }
 
@@ -386,10 +386,9 @@ std::uint32_t find_contacts(const Model& model, const Primitives& hand,
 double depth_of(const Model& model, const Primitives& hand, const Contact& contact) {
   const Primitive& primitive = hand.primitive[contact.primitive];
   if (primitive.law != Law::field || primitive.shape == Shape::slab) return contact.depth;
-  const auto [a, b, c] = corners_of(model.triangles, contact.triangle);
   // Beyond a curved border the primitive, which a plane cuts, is no more; phi, whose mean this is, still is.
   const double mean = contact.area > 0 ? contact.volume / contact.area : 0;
-  return max(hand_depth(hand, primitive, a, b, c), mean);
+  return max(hand_depth(hand, primitive, corners_of(model.triangles, contact.triangle)), mean);
 }
 
 }  // namespace lumbrical

@@ -6,11 +6,11 @@
 
 namespace lumbrical {
 
-/// Contact of a round or flat primitive with the triangle a, b, c [m, W], by the lanes where they know the
+/// Contact of a round or flat primitive with the triangle `at` [m, W], by the lanes where they know the
 /// way. Sets everything but the indices. `boundary` is working memory. False where they have no area in
 /// common.
-bool collide(const Primitive& primitive, const ContactQuery& query, Vec3 a, Vec3 b, Vec3 c,
-             Boundary& boundary, Contact& contact);
+bool collide(const Primitive& primitive, const ContactQuery& query, const Corners& at, Boundary& boundary,
+             Contact& contact);
 
 /// Contacts of all candidates (primitive << 32 | triangle), in their order, those of round primitives under
 /// the field law without their depth; contacts[i] may be written for every i. Returns how many there are.

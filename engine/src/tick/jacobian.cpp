@@ -21,15 +21,14 @@ namespace {
 bool add_plain_triangle(const FieldKernels& kernels, const Primitives& hand, const Contact& contact,
                         Vec3 joint, const Corners& at, Matrix6& value) {
   const Primitive& primitive = hand.primitive[contact.primitive];
-  const auto& [a, b, c] = at;
   if (primitive.shape == Shape::slab)
-    return add_contact_jacobian(slab_of(hand.palm, primitive), contact, joint, a, b, c, value);
-  const TileBorders near = borders_in_reach(hand, primitive, a, b, c);
-  const BorderCut cut = cut_at_borders(kernels, hand, primitive, near, a, b, c);
-  if (cut.kind == CutKind::planes) return add_contact_jacobian(primitive, contact, joint, a, b, c, value);
+    return add_contact_jacobian(slab_of(hand.palm, primitive), contact, joint, at, value);
+  const TileBorders near = borders_in_reach(hand, primitive, at);
+  const BorderCut cut = cut_at_borders(kernels, hand, primitive, near, at);
+  if (cut.kind == CutKind::planes) return add_contact_jacobian(primitive, contact, joint, at, value);
   SlopeMoments bulge;
-  return cut.kind == CutKind::other && bulge_slope(hand, primitive, cut, a, b, c, bulge) &&
-         add_contact_jacobian(tile_cut_so(primitive, cut.cut), contact, joint, a, b, c, value, bulge);
+  return cut.kind == CutKind::other && bulge_slope(hand, primitive, cut, at, bulge) &&
+         add_contact_jacobian(tile_cut_so(primitive, cut.cut), contact, joint, at, value, bulge);
 }
 
 // ---- Segments that are felt by samples: differences of the very sum ----
