@@ -81,6 +81,8 @@ void add_touching(const NearBorder& near, double length, Singularities& kinks) {
   if (sum != 0) kinks.add(zeroth / sum, 0, true);
 }
 
+constexpr int kProbes = 5;
+
 // The border as a height over its chord.
 struct Border {
   const Rival& rival;
@@ -129,9 +131,14 @@ struct Border {
     return find_root([&](double y) { return at(s, y); }, -limit, below, limit, above, 1e-12 * chord.length);
   }
   Point2 point(double s) { return chord.at(s, height_at(s)); }
+  // How far from its chord the probes between its ends find it.
+  double peak() {
+    double most = 0;
+    for (int i = 1; i + 1 < kProbes; ++i)
+      most = max(most, std::fabs(height_at(chord.length * i / (kProbes - 1))));
+    return most;
+  }
 };
-
-constexpr int kProbes = 5;
 
 // A point of a border, with the field of the tile there and its slope.
 struct BorderPoint {
@@ -227,10 +234,7 @@ Singularities kinks_along(const Section& section, const Slant& slant, Border& bo
   }
   // A curve as high as this over its chord turns back on itself so far beyond its ends, if it goes on as it
   // is.
-  double peak = 0;
-  for (int i = 1; i + 1 < kProbes; ++i) {
-    peak = max(peak, std::fabs(border.height_at(chord.length * i / (kProbes - 1))));
-  }
+  const double peak = border.peak();
   kinks.coarse = peak < kSmallBulge * chord.length;
   const double beyond = max(0.05, 0.125 * chord.length / max(peak, 1e-6 * chord.length) - 0.5);
   kinks.add(-beyond);
@@ -252,15 +256,12 @@ Chord chord_between(Point2 from, Point2 to) {
 
 Course follow_border(const Section& section, const Rival& rival, Chord& chord) {
   Border border(rival, chord);
-  double peak = 0;
-  for (int i = 1; i + 1 < kProbes; ++i) {
-    peak = max(peak, std::fabs(border.height_at(chord.length * i / (kProbes - 1))));
-  }
+  const double peak = border.peak();
   if (!border.good || peak > kFlat * chord.length) return Course::unclear;
   const Slant slant = slant_of(section);
   const auto field = [&](double s) {
     const Point2 p = border.point(s);
-    return field_of(section, slant, zone_of(section, slant, p).part, p);
+    return field_of(section, slant, p);
   };
   const double begin = field(0), end = field(chord.length);
   double from = 0, to = chord.length;
@@ -307,7 +308,7 @@ void integrate_way(const Section& section, const Slant& slant, Point2 foot, Poin
   mean = lean = 0;
   graded_nodes(0, 1, kinks, [&](double share, double weight) {
     const Point2 p = foot + share * way;
-    const double part = weight * field_of(section, slant, zone_of(section, slant, p).part, p);
+    const double part = weight * field_of(section, slant, p);
     mean += part;
     lean += share * part;
   });
@@ -403,7 +404,7 @@ bool integrate_bulge_slope(const Section& section, const Rival& rival, const Joi
     if (!(far > 0)) return;
     const Vec3 m = around.normal - around.side * ((x / far) * around.x + (y / far) * around.y);
     const double tilt = dot(m, section.n) / std::fabs(dot(m, across));
-    const double phi = field_of(section, slant, zone_of(section, slant, top).part, top);
+    const double phi = field_of(section, slant, top);
     slope.add(top, -weight * chord.length * phi * (rival.is_first ? tilt : -tilt));
   });
   return border.good;

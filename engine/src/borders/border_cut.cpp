@@ -12,8 +12,6 @@ namespace {
 // Rounding must not lose one.
 constexpr double kCutMargin = 1.000001;
 
-constexpr double kFar = 1e300;
-
 // A border steeper than this against its chord is split elsewhere.
 constexpr double kSteepChord = 0.3;
 
@@ -49,14 +47,8 @@ bool keeps_clear(const Primitive& tile, Vec3 joint, Vec3 from, Vec3 to, double h
 bool chord_will_do(const Section& section, const Chord& chord, double height) {
   const Interval inside = inside_interval(section, chord.from, chord.along, 0, chord.length);
   if (inside.first < inside.second) return false;
-  double lower = kFar, upper = -kFar;
-  for (int i = 0; i < section.zone_count; ++i) {
-    const Zone& zone = section.zone[static_cast<std::size_t>(i)];
-    if (!(zone.real_lower < zone.real_upper)) continue;
-    lower = min(lower, zone.real_lower);
-    upper = max(upper, zone.real_upper);
-  }
-  const Point2 within{0.5 * (lower + upper), 0};
+  const Interval extent = real_extent(section);
+  const Point2 within{0.5 * (extent.first + extent.second), 0};
   return std::fabs(dot(chord.across, within - chord.from)) > height;
 }
 

@@ -22,8 +22,7 @@ bool collide_section(const Primitive& primitive, const ContactQuery& query, cons
   const Overlap overlap = classify(section);
   if (overlap == Overlap::apart) return false;
   if (overlap == Overlap::partial) trace_boundary(section, boundary);
-  const AreaMoments area =
-      overlap == Overlap::inside ? polygon_area(section.polygon) : section_area(section, boundary);
+  const AreaMoments area = common_area(section, overlap, boundary);
   if (!(area.area > 0)) return false;
 
   const bool whole_finger = query.hand != nullptr && primitive.phalanx[0] >= 0;

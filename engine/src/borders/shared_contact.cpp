@@ -81,8 +81,7 @@ void add_all(Work& work, const Rival* rival = nullptr) {
   const Overlap overlap = classify(section);
   if (overlap == Overlap::apart) return;
   trace_boundary(section, work.boundary);
-  const AreaMoments area =
-      overlap == Overlap::inside ? polygon_area(section.polygon) : section_area(section, work.boundary);
+  const AreaMoments area = common_area(section, overlap, work.boundary);
   if (!(area.area > 0) || (rival != nullptr && !(precedence(*rival, area.centroid) > 0))) return;
   const PressureMoments field = field_moments(work.kernels, section, area, work.boundary);
   work.area += area.area;
@@ -328,15 +327,9 @@ void share_out_all(const Polygon2& polygon, Work& work) {
 
 // What of the plane the tile can reach: far corners of a large triangle would only make borders long.
 void cut_to_section(const Section& section, Polygon2& polygon) {
-  double lower = 1e300, upper = -1e300;
-  for (int i = 0; i < section.zone_count; ++i) {
-    const Zone& zone = section.zone[static_cast<std::size_t>(i)];
-    if (!(zone.real_lower < zone.real_upper)) continue;
-    lower = min(lower, zone.real_lower);
-    upper = max(upper, zone.real_upper);
-  }
-  cut_polygon({1, 0}, upper, polygon);
-  cut_polygon({-1, 0}, -lower, polygon);
+  const Interval extent = real_extent(section);
+  cut_polygon({1, 0}, extent.second, polygon);
+  cut_polygon({-1, 0}, -extent.first, polygon);
   cut_polygon({0, 1}, section.radius1, polygon);
   cut_polygon({0, -1}, section.radius1, polygon);
 }

@@ -142,9 +142,7 @@ void clip_to_triangle(const Facet& facet, Line& line) {
 struct SectionField {
   const Section& section;
   Slant slant;
-  [[nodiscard]] double at(Point2 p) const {
-    return field_of(section, slant, zone_of(section, slant, p).part, p);
-  }
+  [[nodiscard]] double at(Point2 p) const { return field_of(section, slant, p); }
   [[nodiscard]] Singularities kinks(Point2 from, Point2 to) const {
     return line_kinks(section, slant, from, to);
   }
@@ -262,8 +260,7 @@ bool add_contact_jacobian(const Primitive& primitive, const Contact& contact, Ve
   if (overlap == Overlap::apart) return false;
   Boundary boundary;
   trace_boundary(section, boundary);
-  const AreaMoments area =
-      overlap == Overlap::inside ? polygon_area(section.polygon) : section_area(section, boundary);
+  const AreaMoments area = common_area(section, overlap, boundary);
   if (!(area.area > 0)) return false;
 
   Facet facet;

@@ -60,6 +60,10 @@ inline double field_of(const Section& section, const Slant& slant, Zone::Part pa
   return (gap - factor * factor * p.y * p.y) / (level + factor * std::sqrt(d2 + p.y * p.y));
 }
 
+inline double field_of(const Section& section, const Slant& slant, Point2 p) {
+  return field_of(section, slant, zone_of(section, slant, p).part, p);
+}
+
 /// Where along a piece of the boundary, whose curve belongs to `part`, integrals of phi from y = 0 to the
 /// piece are not smooth.
 Singularities kinks_of(const Section& section, const Slant& slant, const Piece& piece, Zone::Part part);

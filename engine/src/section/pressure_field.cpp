@@ -174,7 +174,7 @@ bool field_of_small_region(const Section& section, const Slant& slant, const Are
 
 double field_at(const Section& section, Point2 p) {
   const Slant slant = slant_of(section);
-  return field_of(section, slant, zone_of(section, slant, p).part, p);
+  return field_of(section, slant, p);
 }
 
 PressureMoments field_moments(const FieldKernels& kernels, const Section& section, const AreaMoments& area,

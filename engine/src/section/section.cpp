@@ -190,6 +190,17 @@ Interval positive_interval(double a, double b, double c, double lower, double up
   return left.second - left.first > right.second - right.first ? left : right;
 }
 
+Interval real_extent(const Section& section) {
+  Interval extent{1e300, -1e300};
+  for (int i = 0; i < section.zone_count; ++i) {
+    const Zone& zone = section.zone[static_cast<std::size_t>(i)];
+    if (!(zone.real_lower < zone.real_upper)) continue;
+    extent.first = min(extent.first, zone.real_lower);
+    extent.second = max(extent.second, zone.real_upper);
+  }
+  return extent;
+}
+
 bool cut_along(const HalfSpace& cut, double near, const PlacedTriangle& triangle, Polygon2& polygon) {
   double height[3], most = 0, farthest2 = 0;
   for (std::size_t i = 0; i < 3; ++i) {

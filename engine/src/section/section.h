@@ -153,6 +153,9 @@ struct Interval {
 };
 Interval positive_interval(double a, double b, double c, double lower, double upper);
 
+/// [m] From where to where in x the section reaches. Empty where its curve is real nowhere.
+Interval real_extent(const Section& section);
+
 /// A piece of the boundary of polygon and section: along an edge of the polygon, or along the section's own
 /// curve y = +-eta, or along y = 0 where the edge has left the section's range of x. All pieces together run
 /// once round in the sense that  integral of f over the region = - sum of pieces of  integral of (int_0^y f
@@ -175,7 +178,8 @@ void trace_boundary(const Section& section, Boundary& boundary);
 /// The part of the line base + t * direction, lower <= t <= upper, inside the section.
 Interval inside_interval(const Section& section, Point2 base, Point2 direction, double lower, double upper);
 
-/// Area and centroid of what polygon and section have in common where they overlap in part; closed form.
-AreaMoments section_area(const Section& section, const Boundary& boundary);
+/// Area and centroid of what polygon and section have in common; closed form. The boundary is only looked at
+/// where they overlap in part.
+AreaMoments common_area(const Section& section, Overlap overlap, const Boundary& boundary);
 
 }  // namespace lumbrical

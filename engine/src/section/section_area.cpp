@@ -82,24 +82,8 @@ double extent_of(const Polygon2& polygon) {
   return extent;
 }
 
-}  // namespace
-
-AreaMoments polygon_area(const Polygon2& polygon) {
-  const Point2 p = polygon.corner[0];
-  double twice = 0;
-  Point2 moment{0, 0};
-  for (int i = 1; i + 1 < polygon.count; ++i) {
-    const Point2 a = polygon.corner[static_cast<std::size_t>(i)] - p;
-    const Point2 b = polygon.corner[static_cast<std::size_t>(i + 1)] - p;
-    const double area = cross(a, b);
-    twice += area;
-    moment = moment + area * (a + b);
-  }
-  if (!(twice > 0)) return {};
-  return {0.5 * twice, p + (1 / (3 * twice)) * moment};
-}
-
-AreaMoments section_area(const Section& section, const Boundary& boundary) {
+// Where they overlap in part.
+AreaMoments partial_area(const Section& section, const Boundary& boundary) {
   // Small polygons are measured from their own corner: what they share with the section's scale would drown
   // them.
   const double extent = extent_of(section.polygon);
@@ -119,6 +103,27 @@ AreaMoments section_area(const Section& section, const Boundary& boundary) {
   const double least = 1e-15 * min(extent, section.radius1) * (small ? extent : section.radius1);
   if (!(area > least)) return {};
   return {area, {base.x - sum.x / area, base.y - sum.y / area}};
+}
+
+}  // namespace
+
+AreaMoments polygon_area(const Polygon2& polygon) {
+  const Point2 p = polygon.corner[0];
+  double twice = 0;
+  Point2 moment{0, 0};
+  for (int i = 1; i + 1 < polygon.count; ++i) {
+    const Point2 a = polygon.corner[static_cast<std::size_t>(i)] - p;
+    const Point2 b = polygon.corner[static_cast<std::size_t>(i + 1)] - p;
+    const double area = cross(a, b);
+    twice += area;
+    moment = moment + area * (a + b);
+  }
+  if (!(twice > 0)) return {};
+  return {0.5 * twice, p + (1 / (3 * twice)) * moment};
+}
+
+AreaMoments common_area(const Section& section, Overlap overlap, const Boundary& boundary) {
+  return overlap == Overlap::inside ? polygon_area(section.polygon) : partial_area(section, boundary);
 }
 
 }  // namespace lumbrical
