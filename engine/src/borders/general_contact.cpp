@@ -16,6 +16,28 @@ Vec3 centre_of(const Section& section, const PressureMoments& moments, Vec3 othe
   return to_world(section, (1 / moments.volume) * moments.first);
 }
 
+// The palm's depth is phi, by every law.
+bool is_of_palm(const Primitive& primitive) { return primitive.segment == kPalmSegment; }
+
+// Is depth measured through the whole finger?
+bool runs_through_finger(const Primitive& primitive, const ContactQuery& query) {
+  return query.hand != nullptr && primitive.phalanx[0] >= 0;
+}
+
+Deepest deepest_of(const Primitive& primitive, const ContactQuery& query, const Section& section) {
+  const bool by_area = query.law == Law::field || query.law == Law::column || query.law == Law::centroid;
+  if (by_area && !query.depth) return {};
+  if (is_of_palm(primitive)) return largest_field(section);
+  return runs_through_finger(primitive, query) ? finger_depth(*query.hand, primitive, section)
+                                               : largest_depth(section);
+}
+
+double depth_below(const Primitive& primitive, const ContactQuery& query, const Section& section, Point2 p) {
+  if (is_of_palm(primitive)) return field_at(section, p);
+  return runs_through_finger(primitive, query) ? finger_depth_at(*query.hand, primitive, section, p)
+                                               : depth_at(section, p);
+}
+
 // One pair by the laws in general. False where there is no common area.
 bool collide_section(const Primitive& primitive, const ContactQuery& query, const Section& section,
                      Boundary& boundary, Contact& contact) {
@@ -25,15 +47,7 @@ bool collide_section(const Primitive& primitive, const ContactQuery& query, cons
   const AreaMoments area = common_area(section, overlap, boundary);
   if (!(area.area > 0)) return false;
 
-  const bool whole_finger = query.hand != nullptr && primitive.phalanx[0] >= 0;
-  const bool palm = primitive.segment == kPalmSegment;  // whose depth is phi, by every law
-  const bool by_area = query.law == Law::field || query.law == Law::column || query.law == Law::centroid;
-  Deepest deepest{};
-  if (query.depth || !by_area) {
-    deepest = palm           ? largest_field(section)
-              : whole_finger ? finger_depth(*query.hand, primitive, section)
-                             : largest_depth(section);
-  }
+  const Deepest deepest = deepest_of(primitive, query, section);
   contact.depth = deepest.depth;
   contact.area = area.area;
   contact.centroid = to_world(section, area.centroid);
@@ -44,7 +58,7 @@ bool collide_section(const Primitive& primitive, const ContactQuery& query, cons
     case Law::field:
     case Law::column: {
       if (overlap == Overlap::inside) trace_boundary(section, boundary);
-      const PressureMoments moments = palm || query.law == Law::field
+      const PressureMoments moments = is_of_palm(primitive) || query.law == Law::field
                                           ? field_moments(query.kernels, section, area, boundary)
                                           : column_moments(section, boundary);
       contact.error = moments.error;
@@ -55,13 +69,9 @@ bool collide_section(const Primitive& primitive, const ContactQuery& query, cons
     case Law::max_depth:
       contact.volume = area.area * deepest.depth;
       break;
-    case Law::centroid: {
-      const double depth = palm           ? field_at(section, area.centroid)
-                           : whole_finger ? finger_depth_at(*query.hand, primitive, section, area.centroid)
-                                          : depth_at(section, area.centroid);
-      contact.volume = area.area * max(0, depth);
+    case Law::centroid:
+      contact.volume = area.area * max(0, depth_below(primitive, query, section, area.centroid));
       break;
-    }
     case Law::point:
       contact.volume = query.point_area * deepest.depth;
       contact.centre = to_world(section, deepest.point);
