@@ -65,8 +65,8 @@ Wanted in_extended_precision(const Slab& slab, const Triangle3& t) {
   Polygon polygon{point(t[0]) - origin, point(t[1]) - origin, point(t[2]) - origin};
   const Point raw = cross(polygon[1] - polygon[0], polygon[2] - polygon[0]);
   const Point n = (1 / std::sqrt(dot(raw, raw))) * raw;
-  for (int i = 0; i < slab.face_count; ++i) {
-    const HalfSpace& face = slab.face[static_cast<std::size_t>(i)];
+  for (std::size_t i = 0; i < slab.face_count; ++i) {
+    const HalfSpace& face = slab.face[i];
     const Point normal = point(face.normal);
     const Function over{-dot(normal, point(face.point) - origin), normal};
     polygon = where_not_above(over, polygon);
@@ -94,8 +94,7 @@ Wanted in_extended_precision(const Slab& slab, const Triangle3& t) {
 Slab some_slab(test::Random& random, const Pose& X) {
   Slab slab;
   const auto add = [&](Vec3 normal, Vec3 at) {
-    slab.face[static_cast<std::size_t>(slab.face_count++)] = {rotate(X.orientation, normal),
-                                                              transform(X, at)};
+    slab.face[slab.face_count++] = {rotate(X.orientation, normal), transform(X, at)};
   };
   slab.thickness = 0.024;
   add({0, 0, -1}, {0, 0, -0.002});
@@ -115,8 +114,7 @@ Slab box_slab(double a, double b, double depth, double thickness, const Pose& X 
   Slab slab;
   slab.thickness = thickness;
   const auto add = [&](Vec3 normal, Vec3 point) {
-    slab.face[static_cast<std::size_t>(slab.face_count++)] = {rotate(X.orientation, normal),
-                                                              transform(X, point)};
+    slab.face[slab.face_count++] = {rotate(X.orientation, normal), transform(X, point)};
   };
   add({0, 0, -1}, {0, 0, -depth});
   add({0, 0, 1}, {0, 0, thickness - depth});
@@ -297,7 +295,7 @@ TEST(PalmSlab, TrianglesAlongTheFacesAddUpToThePalm) {
   for (int round = 0; round < 40; ++round) {
     const Pose X = round == 0 ? Pose{} : random.pose(0.4);
     Slab slab = box_slab(0.04, 0.02, 0.002, 0.024, X);
-    slab.face[static_cast<std::size_t>(slab.face_count++)] = slab.face[2];
+    slab.face[slab.face_count++] = slab.face[2];
     std::vector<Triangle3> triangles;
     for (int i = -8; i < 8; ++i) {
       for (int j = -8; j < 8; ++j) {
@@ -323,7 +321,7 @@ TEST(PalmSlab, TrianglesThroughEdgesAndCornersAreTheirPolygons) {
   for (int round = 0; round < 60; ++round) {
     const Pose X = round % 6 == 0 ? Pose{} : random.pose(0.4);
     Slab slab = box_slab(0.04, 0.03, 0.002, 0.024, X);
-    if (round % 2 == 0) slab.face[static_cast<std::size_t>(slab.face_count++)] = slab.face[4];
+    if (round % 2 == 0) slab.face[slab.face_count++] = slab.face[4];
     std::vector<Triangle3> triangles;
     while (triangles.size() < 250) {
       Vec3 corner[3];
@@ -388,8 +386,8 @@ TEST(PalmSlab, TrianglesCutByManyFacesGoTheGeneralWay) {
   Slab slab = box_slab(0.04, 0.04, 0.002, 0.024);
   for (const double x : {-1.0, 1.0}) {
     for (const double y : {-1.0, 1.0})
-      slab.face[static_cast<std::size_t>(slab.face_count++)] = {
-          Vec3{std::sqrt(0.5) * x, std::sqrt(0.5) * y, 0}, {0.03 * x, 0.03 * y, 0}};
+      slab.face[slab.face_count++] = {Vec3{std::sqrt(0.5) * x, std::sqrt(0.5) * y, 0},
+                                      {0.03 * x, 0.03 * y, 0}};
   }
   const Pressed pressed = press(slab, widest_isa(), {{Vec3{-9, -9, 0}, Vec3{9, -9, 0}, Vec3{0, 9, 0}}});
   EXPECT_EQ(pressed.left, 1u);

@@ -38,7 +38,7 @@ struct Work {
   Section& section;  // its polygon is the part at hand
   const FieldKernels& kernels;
   Boundary& boundary;
-  int rival_count = 0;
+  std::uint32_t rival_count = 0;
   std::array<Rival, 2> rival{};
   Rival others{};  // of two rivals, the first against the second
   double area = 0, volume = 0, error = 0;
@@ -60,14 +60,14 @@ Rival apart(const Section& section, const Primitives& hand, std::size_t finger, 
 
 Point2 middle_of(const Polygon2& polygon) {
   Point2 sum{0, 0};
-  for (int i = 0; i < polygon.count; ++i) sum = sum + polygon.corner[static_cast<std::size_t>(i)];
+  for (std::size_t i = 0; i < polygon.count; ++i) sum = sum + polygon.corner[i];
   return (1.0 / polygon.count) * sum;
 }
 
 double reach_of(const Polygon2& polygon, Point2 middle) {
   double square = 0;
-  for (int i = 0; i < polygon.count; ++i) {
-    const Point2 d = polygon.corner[static_cast<std::size_t>(i)] - middle;
+  for (std::size_t i = 0; i < polygon.count; ++i) {
+    const Point2 d = polygon.corner[i] - middle;
     square = max(square, dot(d, d));
   }
   return std::sqrt(square);
@@ -93,15 +93,15 @@ void add_all(Work& work, const Rival* rival = nullptr) {
 // How much volume it makes, about, whose the part is.
 double stake_of(const Work& work, const Polygon2& polygon, Point2 middle, double reach) {
   double most = 0;
-  for (int i = 0; i < work.rival_count; ++i) {
-    const Rival& rival = work.rival[static_cast<std::size_t>(i)];
+  for (std::size_t i = 0; i < work.rival_count; ++i) {
+    const Rival& rival = work.rival[i];
     const auto include = [&](Point2 p) {
       const double gap = cone_field(rival.first, sight_of(rival.first, p)) -
                          cone_field(rival.second, sight_of(rival.second, p));
       most = max(most, std::fabs(gap));
     };
     include(middle);
-    for (int k = 0; k < polygon.count; ++k) include(polygon.corner[static_cast<std::size_t>(k)]);
+    for (std::size_t k = 0; k < polygon.count; ++k) include(polygon.corner[k]);
   }
   return most * reach * reach;
 }
@@ -138,8 +138,8 @@ bool add_crossed(const Rival& rival, const Crossings& crossings, Work& work) {
 // A part too small to be split: borders are their chords, and all else goes to whoever has its middle.
 void add_least(Point2 middle, double reach, Work& work) {
   const Polygon2 whole = work.section.polygon;
-  for (int i = 0; i < work.rival_count; ++i) {
-    const Rival& rival = work.rival[static_cast<std::size_t>(i)];
+  for (std::size_t i = 0; i < work.rival_count; ++i) {
+    const Rival& rival = work.rival[i];
     Crossings crossings;
     const Share share = share_with(rival, whole, middle, reach, crossings);
     if (share == Share::crossed) {
@@ -161,10 +161,9 @@ struct Split {
 Split split_across(const Polygon2& polygon, Point2 middle) {
   Split split{middle, {1, 0}};
   double square = 0;
-  for (int i = 0; i < polygon.count; ++i) {
-    for (int k = 0; k < i; ++k) {
-      const Point2 d =
-          polygon.corner[static_cast<std::size_t>(i)] - polygon.corner[static_cast<std::size_t>(k)];
+  for (std::size_t i = 0; i < polygon.count; ++i) {
+    for (std::size_t k = 0; k < i; ++k) {
+      const Point2 d = polygon.corner[i] - polygon.corner[k];
       if (dot(d, d) > square) {
         square = dot(d, d);
         split.normal = d;
@@ -202,8 +201,8 @@ Split split_by_meeting(const std::array<Rival, 2>& rivals, const Polygon2& polyg
   const double length = std::sqrt(dot(split.normal, split.normal));
   const Point2 along = (1 / length) * split.normal, meeting = meeting_of(rivals, middle, reach);
   double low = 1e300, high = -1e300;
-  for (int i = 0; i < polygon.count; ++i) {
-    const double at = dot(along, polygon.corner[static_cast<std::size_t>(i)] - meeting);
+  for (std::size_t i = 0; i < polygon.count; ++i) {
+    const double at = dot(along, polygon.corner[i] - meeting);
     low = min(low, at);
     high = max(high, at);
   }
@@ -274,8 +273,7 @@ void share_out(const Part& part, Work& work, Parts& open) {
   if (classify(work.section) == Overlap::apart) return;
   std::array<Share, 2> share{Share::all, Share::all};
   std::array<Crossings, 2> crossings;
-  for (int i = 0; i < work.rival_count; ++i) {
-    const std::size_t k = static_cast<std::size_t>(i);
+  for (std::size_t k = 0; k < work.rival_count; ++k) {
     share[k] = share_with(work.rival[k], polygon, middle, reach, crossings[k]);
     if (share[k] == Share::none) return;
   }
@@ -343,13 +341,11 @@ bool collide_shared(const Primitives& hand, const Primitive& tile, const TileBor
   Primitive cut = tile;
   const auto widen = [&](std::size_t i) { cut.cut[i].offset += cut.overhang[i]; };
   if (borders.inner) widen(0);
-  if (borders.outer) widen(static_cast<std::size_t>(tile.cut_count - 1));
+  if (borders.outer) widen(tile.cut_count - 1u);
   Section section;
   if (!look_from_plane(cut, at, section)) return false;
   Work work{section, kernels, boundary};
-  const auto add_rival = [&](const Rival& rival) {
-    work.rival[static_cast<std::size_t>(work.rival_count++)] = rival;
-  };
+  const auto add_rival = [&](const Rival& rival) { work.rival[work.rival_count++] = rival; };
   if (borders.inner) add_rival(joint_rival(section, hand, phalanx - 1, false));
   if (borders.outer) add_rival(joint_rival(section, hand, phalanx, true));
   if (borders.folded) add_rival(apart(section, hand, phalanx / 3, place == 0));

@@ -35,7 +35,7 @@ void add_root(const Edge& edge, double t0, double f0, double t1, double f1) {
   if (crossings.count == Crossings::kMaxCount) return;
   const double t = find_root([&](double at) { return edge.at(at); }, t0, f0, t1, f1, kEdgeRoot);
   if (crossings.count == 0) crossings.leaving_first = f0 > 0;
-  crossings.at[static_cast<std::size_t>(crossings.count++)] = edge.p + t * edge.d;
+  crossings.at[crossings.count++] = edge.p + t * edge.d;
 }
 
 // Both ends of t0..t1 belong to the same tile. May the other one have something in between? Then precedence
@@ -134,8 +134,8 @@ bool is_higher(const Cone& higher, const Cone& lower, const Polygon2& polygon, P
   const Sight sight = sight_of(lower, middle);
   const double value = cone_field(lower, sight);
   const Point2 slope = cone_slope(lower, sight);
-  for (int i = 0; i < polygon.count; ++i) {
-    const Point2 p = polygon.corner[static_cast<std::size_t>(i)];
+  for (std::size_t i = 0; i < polygon.count; ++i) {
+    const Point2 p = polygon.corner[i];
     if (!(cone_field(higher, sight_of(higher, p)) > value + dot(slope, p - middle))) return false;
   }
   return true;
@@ -144,31 +144,27 @@ bool is_higher(const Cone& higher, const Cone& lower, const Polygon2& polygon, P
 // Takes out crossings at the joint, two by two: an edge through a joint in the plane only touches the border
 // there, and rounding makes two crossings of that, whose chord has no direction.
 void remove_touches(const Rival& rival, Crossings& crossings) {
-  const auto at_joint = [&](int i) {
-    const Point2 d =
-        crossings.at[static_cast<std::size_t>(i)] - Point2{rival.first.joint.x, rival.first.joint.y};
+  const auto at_joint = [&](std::size_t i) {
+    const Point2 d = crossings.at[i] - Point2{rival.first.joint.x, rival.first.joint.y};
     return dot(d, d) < kTouch * kTouch * rival.first.radius * rival.first.radius;
   };
-  for (int i = 0; i + 1 < crossings.count; ++i) {
+  for (std::size_t i = 0; i + 1 < crossings.count; ++i) {
     if (!at_joint(i) || !at_joint(i + 1)) continue;
-    for (int k = i + 2; k < crossings.count; ++k)
-      crossings.at[static_cast<std::size_t>(k - 2)] = crossings.at[static_cast<std::size_t>(k)];
+    for (std::size_t k = i + 2; k < crossings.count; ++k) crossings.at[k - 2] = crossings.at[k];
     crossings.count -= 2;
     return;
   }
-  const int last = crossings.count - 1;
-  if (last < 1 || !at_joint(0) || !at_joint(last)) return;
-  for (int k = 1; k < last; ++k)
-    crossings.at[static_cast<std::size_t>(k - 1)] = crossings.at[static_cast<std::size_t>(k)];
+  if (crossings.count < 2 || !at_joint(0) || !at_joint(crossings.count - 1)) return;
+  for (std::size_t k = 1; k + 1 < crossings.count; ++k) crossings.at[k - 1] = crossings.at[k];
   crossings.count -= 2;
   crossings.leaving_first = !crossings.leaving_first;
 }
 
 // The value of the largest magnitude.
-double farthest(const std::array<double, Polygon2::kMaxCorners>& value, int count) {
+double farthest(const std::array<double, Polygon2::kMaxCorners>& value, std::size_t count) {
   double most = 0;
-  for (int i = 0; i < count; ++i) {
-    const double here = value[static_cast<std::size_t>(i)];
+  for (std::size_t i = 0; i < count; ++i) {
+    const double here = value[i];
     if (std::fabs(here) > std::fabs(most)) most = here;
   }
   return most;
@@ -181,14 +177,12 @@ Share share_with(const Rival& rival, const Polygon2& polygon, Point2 middle, dou
   const double here = precedence(rival, middle);
   if (std::fabs(here) > kPrecedenceSlope * reach) return here > 0 ? Share::all : Share::none;
   std::array<double, Polygon2::kMaxCorners> value;
-  for (int i = 0; i < polygon.count; ++i) {
-    value[static_cast<std::size_t>(i)] = precedence(rival, polygon.corner[static_cast<std::size_t>(i)]);
-  }
+  for (std::size_t i = 0; i < polygon.count; ++i) value[i] = precedence(rival, polygon.corner[i]);
   // What the fields alone tell spares the edges' search.
   if (!rival.near && is_higher(rival.own(), rival.other(), polygon, middle)) return Share::all;
   if (!rival.near && is_higher(rival.other(), rival.own(), polygon, middle)) return Share::none;
-  for (int i = 0; i < polygon.count; ++i) {
-    const std::size_t k = static_cast<std::size_t>(i), next = i + 1 == polygon.count ? 0 : k + 1;
+  for (std::size_t k = 0; k < polygon.count; ++k) {
+    const std::size_t next = k + 1 == polygon.count ? 0 : k + 1;
     cross_edge(rival, polygon.corner[k], polygon.corner[next], value[k], value[next], crossings);
   }
   const bool near = is_near(rival, middle, reach);

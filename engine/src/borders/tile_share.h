@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 
 #include "borders/tile_rival.h"
 
@@ -9,8 +10,8 @@ namespace lumbrical {
 
 /// Where a border crosses the edge of a part, once round counter-clockwise.
 struct Crossings {
-  static constexpr int kMaxCount = 8;
-  int count = 0;
+  static constexpr std::size_t kMaxCount = 8;
+  std::uint32_t count = 0;
   std::array<Point2, kMaxCount> at;
   bool leaving_first = false;  ///< the first of them leads out of the tile
 };

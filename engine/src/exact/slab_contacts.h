@@ -34,7 +34,7 @@ struct SlabView {
 };
 
 template <class V>
-inline Each<V> heights_over(const SlabFaces& faces, int face, const Each<Wide3<V>>& corner) {
+inline Each<V> heights_over(const SlabFaces& faces, std::size_t face, const Each<Wide3<V>>& corner) {
   const Wide3<V> outward = in_all_lanes<V>(faces.normal[face]);
   const V offset = number<V>(faces.offset[face]);
   return {dot(outward, corner.a) - offset, dot(outward, corner.b) - offset, dot(outward, corner.c) - offset};
@@ -45,7 +45,7 @@ inline SlabView<V> view_of(const SlabFaces& faces, const Each<Wide3<V>>& corner)
   const V zero = number<V>(0), one = number<V>(1), near = number<V>(faces.near);
   SlabView<V> view{zero, zero, zero};
   double bit = 1;
-  for (int face = 0; face < faces.count; ++face, bit *= 2) {
+  for (std::size_t face = 0; face < faces.count; ++face, bit *= 2) {
     const Each<V> over = heights_over(faces, face, corner);
     const V lowest = least_of(over), highest = most_of(over);
     if (!any(highest >= zero - near)) continue;

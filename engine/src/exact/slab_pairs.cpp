@@ -22,7 +22,7 @@ SlabFaces faces_of(const Slab& slab) {
   SlabFaces faces;
   faces.count = slab.face_count;
   faces.near = kAlongCut * slab.thickness;
-  for (std::size_t i = 0; i < static_cast<std::size_t>(slab.face_count); ++i) {
+  for (std::size_t i = 0; i < slab.face_count; ++i) {
     put_vector(slab.face[i].normal, faces.normal[i]);
     faces.offset[i] = dot(slab.face[i].normal, slab.face[i].point - origin_of(slab));
   }

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <initializer_list>
 
 #include "model/swept_polygon.h"
@@ -11,7 +12,7 @@ namespace lumbrical {
 
 /// The faces, the skin first: dot(normal, p - origin) <= offset inside. W, unit; [m].
 struct SlabFaces {
-  int count = 0;
+  std::uint32_t count = 0;
   double near = 0;  ///< [m] a triangle no farther from a face all but lies in it
   double normal[Slab::kMostFaces][3], offset[Slab::kMostFaces];
 };

@@ -91,9 +91,7 @@ void add_palm_parts(const SweptPolygon& palm, Law law, Primitives& hand) {
 Slab slab_of(const SweptPolygon& palm, const Primitive& slab) {
   Slab faces;
   faces.thickness = palm.radius;
-  const auto add_face = [&](const HalfSpace& face) {
-    faces.face[static_cast<std::size_t>(faces.face_count++)] = face;
-  };
+  const auto add_face = [&](const HalfSpace& face) { faces.face[faces.face_count++] = face; };
   const HalfSpace core = slab.cut[0];
   add_face({-core.normal, core.point - palm.radius * core.normal});
   add_face(core);

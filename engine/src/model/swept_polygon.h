@@ -19,8 +19,8 @@ void add_palm_parts(const SweptPolygon& palm, Law law, Primitives& hand);
 
 /// A convex polyhedron between the core and the skin on one side of it.
 struct Slab {
-  static constexpr int kMostFaces = SweptPolygon::kMostCorners + 2;
-  int face_count = 0;
+  static constexpr std::size_t kMostFaces = SweptPolygon::kMostCorners + 2;
+  std::uint32_t face_count = 0;
   std::array<HalfSpace, kMostFaces> face{};  ///< outward normals; [0] is the skin, [1] the core's plane
   double thickness = 0;                      ///< [m] the palm's radius
 };

@@ -36,8 +36,7 @@ void set_hull(const Primitive& primitive, const SweptPolygon& palm, Hull& hull) 
   hull.plane_count = 0;
   if (primitive.shape == Shape::slab) {
     const Slab slab = slab_of(palm, primitive);
-    for (std::size_t i = 0; i < static_cast<std::size_t>(slab.face_count); ++i)
-      add_plane(slab.face[i], 0, hull);
+    for (std::size_t i = 0; i < slab.face_count; ++i) add_plane(slab.face[i], 0, hull);
     return;
   }
   for (std::size_t i = 0; i < primitive.cut_count; ++i)

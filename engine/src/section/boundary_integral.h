@@ -8,6 +8,7 @@
 
 #include <array>
 #include <cmath>
+#include <cstdint>
 
 #include "base/gauss.h"
 #include "section/section.h"
@@ -23,8 +24,8 @@ struct Singularity {
 };
 
 struct Singularities {
-  static constexpr int kMaxCount = 20;
-  int count = 0;
+  static constexpr std::size_t kMaxCount = 20;
+  std::uint32_t count = 0;
   std::array<Singularity, kMaxCount> point;
   /// Ask for nodes in geometric steps towards those that are not weak: for derivatives of what the others
   /// integrate, which are a degree more singular.
@@ -34,8 +35,7 @@ struct Singularities {
   /// Ask for nodes in geometric steps towards two that are near each other.
   bool crowded = false;
   void add(double at, double blur = 0, bool weak = false) {
-    if (count < kMaxCount && at > -1e6 && at < 1e6)
-      point[static_cast<std::size_t>(count++)] = {at, blur, weak};
+    if (count < kMaxCount && at > -1e6 && at < 1e6) point[count++] = {at, blur, weak};
   }
 };
 
@@ -59,8 +59,8 @@ void graded_nodes(double lower, double upper, const Singularities& singularities
   if (!(length > 0)) return;
   double left = 1e300, right = 1e300, strong = 1e300, second_left = 1e300, second_right = 1e300;
   const bool divisible = length > kShortest;
-  for (int i = 0; i < singularities.count; ++i) {
-    const Singularity point = singularities.point[static_cast<std::size_t>(i)];
+  for (std::size_t i = 0; i < singularities.count; ++i) {
+    const Singularity point = singularities.point[i];
     const bool inside = divisible && point.at > lower + 1e-9 * length && point.at < upper - 1e-9 * length;
     if (inside && point.blur < length) {
       graded_nodes(lower, point.at, singularities, f);

@@ -42,7 +42,7 @@ struct Facet {
   Vec3 arm;      // W: from the joint to the origin of x and y
   Vec3 u, v, n;  // W: axes of x and y, normal
   std::array<Point2, 3> corner;
-  int cut_count = 0;
+  std::uint32_t cut_count = 0;
   std::array<HalfPlane, Slab::kMostFaces> cut;
   [[nodiscard]] Vec3 at(Point2 p) const { return arm + (p.x * u + p.y * v); }
 };
@@ -56,7 +56,7 @@ HalfPlane half_plane(const HalfSpace& cut, Vec3 origin, const Facet& facet) {
 // What lies in the triangle's plane cuts nothing off: there is a contact.
 bool add_cut(const HalfPlane& cut, Facet& facet) {
   if (!(across(cut) > kNoCut)) return false;
-  facet.cut[static_cast<std::size_t>(facet.cut_count++)] = cut;
+  facet.cut[facet.cut_count++] = cut;
   return true;
 }
 
@@ -210,7 +210,7 @@ void add_edge_terms(const Facet& facet, const Field& field, const ContactPlace& 
     const Point2 outward{line.direction.y, -line.direction.x};
     Vec3 e = line.direction.x * facet.v - line.direction.y * facet.u;
     bool beyond = false;  // of a triangle beyond a cut nothing but rounding is there
-    for (std::size_t k = 0; k < static_cast<std::size_t>(facet.cut_count); ++k) {
+    for (std::size_t k = 0; k < facet.cut_count; ++k) {
       const HalfPlane& cut = facet.cut[k];
       if (!lies_in(cut, line, place)) {
         clip(cut, line);
@@ -229,12 +229,12 @@ void add_edge_terms(const Facet& facet, const Field& field, const ContactPlace& 
 
 template <class Field>
 void add_cut_terms(const Facet& facet, const Field& field, const Taken& taken, Matrix6& sum) {
-  for (std::size_t k = 0; k < static_cast<std::size_t>(facet.cut_count); ++k) {
+  for (std::size_t k = 0; k < facet.cut_count; ++k) {
     if (taken[k]) continue;
     const HalfPlane& cut = facet.cut[k];
     Line line = border_of(cut, across(cut));
     clip_to_triangle(facet, line);
-    for (std::size_t i = 0; i < static_cast<std::size_t>(facet.cut_count); ++i) {
+    for (std::size_t i = 0; i < facet.cut_count; ++i) {
       if (i != k) clip(facet.cut[i], line);
     }
     if (!(line.lower < line.upper)) continue;
@@ -305,8 +305,8 @@ bool add_contact_jacobian(const Slab& slab, const Contact& contact, Vec3 joint, 
   Polygon2 polygon;
   polygon.count = 3;
   for (std::size_t i = 0; i < 3; ++i) polygon.corner[i] = facet.corner[i];
-  for (int i = 0; i < slab.face_count && polygon.count >= 3; ++i) {
-    const HalfPlane cut = half_plane(slab.face[static_cast<std::size_t>(i)], a, facet);
+  for (std::size_t i = 0; i < slab.face_count && polygon.count >= 3; ++i) {
+    const HalfPlane cut = half_plane(slab.face[i], a, facet);
     if (add_cut(cut, facet)) cut_polygon(cut.direction, cut.offset, polygon);
   }
   if (polygon.count < 3 || !(polygon_area(polygon).area > 0)) return false;
@@ -315,7 +315,7 @@ bool add_contact_jacobian(const Slab& slab, const Contact& contact, Vec3 joint, 
   const LinearField field{skin.offset, -1.0 * skin.direction};
   SlopeMoments slope;
   const auto add = [&](Point2 p, double weight) { slope.add(p, -weight * skin.along); };
-  for (std::size_t i = 1; i + 1 < static_cast<std::size_t>(polygon.count); ++i) {
+  for (std::size_t i = 1; i + 1 < polygon.count; ++i) {
     triangle_nodes(add, kGauss4, polygon.corner[0], polygon.corner[i], polygon.corner[i + 1]);
   }
   add_area_terms(facet, contact.volume, contact.centre - a, slope, sum);

@@ -177,10 +177,9 @@ Deepest largest_depth(const Section& section) {
     if (holds(polygon, section.radius1, all.point)) return all;
   }
   Deepest best{0, polygon.corner[0]};
-  for (int i = 0; i < polygon.count; ++i) {
-    const int next = i + 1 == polygon.count ? 0 : i + 1;
-    const Point2 p = polygon.corner[static_cast<std::size_t>(i)],
-                 q = polygon.corner[static_cast<std::size_t>(next)];
+  for (std::size_t i = 0; i < polygon.count; ++i) {
+    const std::size_t next = i + 1 == polygon.count ? 0 : i + 1;
+    const Point2 p = polygon.corner[i], q = polygon.corner[next];
     if (!falls || is_beyond(p, q, section.radius1, middle)) consider_edge(section, p, q, best);
   }
   return best;

@@ -32,10 +32,9 @@ Deepest largest_field(const Section& section) {
     const double field = field_at(section, p);
     if (field > best.depth) best = {field, p};
   };
-  for (int i = 0; i < polygon.count; ++i) {
-    const int next = i + 1 == polygon.count ? 0 : i + 1;
-    consider(nearest_on_edge(section, polygon.corner[static_cast<std::size_t>(i)],
-                             polygon.corner[static_cast<std::size_t>(next)]));
+  for (std::size_t i = 0; i < polygon.count; ++i) {
+    const std::size_t next = i + 1 == polygon.count ? 0 : i + 1;
+    consider(nearest_on_edge(section, polygon.corner[i], polygon.corner[next]));
   }
   // Where the axis comes nearest to the plane: an end, or the point where it pierces.
   const double span = section.h2 - section.h1;

@@ -31,10 +31,9 @@ bool look_through(const Primitive& capsule, const Section& from, Section& sectio
   const Vec3 point = to_world(from, from.polygon.corner[0]);
   if (!look_along(capsule, point, from.n, from.u, section)) return false;
   section.polygon.count = from.polygon.count;
-  for (int i = 0; i < from.polygon.count; ++i) {
-    const std::size_t k = static_cast<std::size_t>(i);
-    const Vec3 corner = to_world(from, from.polygon.corner[k]) - section.origin;
-    section.polygon.corner[k] = {dot(corner, section.u), dot(corner, section.v)};
+  for (std::size_t i = 0; i < from.polygon.count; ++i) {
+    const Vec3 corner = to_world(from, from.polygon.corner[i]) - section.origin;
+    section.polygon.corner[i] = {dot(corner, section.u), dot(corner, section.v)};
   }
   return true;
 }

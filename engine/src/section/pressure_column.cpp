@@ -189,8 +189,8 @@ Singularities kinks_of(const Columns& columns, const Piece& piece, const Zone& z
 PressureMoments column_moments(const Section& section, const Boundary& boundary) {
   PressureMoments sum;
   const Columns columns(section);
-  for (int i = 0; i < boundary.count; ++i) {
-    const Piece& piece = boundary.piece[static_cast<std::size_t>(i)];
+  for (std::size_t i = 0; i < boundary.count; ++i) {
+    const Piece& piece = boundary.piece[i];
     if (piece.kind == Piece::none || piece.from_x == piece.to_x) continue;
     const Zone& zone = section.zone[piece.zone];
     piece_nodes(piece, zone, kinks_of(columns, piece, zone), [&](double x, double y, double weight) {

@@ -140,8 +140,8 @@ PressureMoments field_by_boundary(const FieldKernels& kernels, const Section& se
   PressureMoments sum;
   StripNodes nodes;
   const StripSection strips = strip_section(section, slant);
-  for (int i = 0; i < boundary.count; ++i) {
-    const Piece& piece = boundary.piece[static_cast<std::size_t>(i)];
+  for (std::size_t i = 0; i < boundary.count; ++i) {
+    const Piece& piece = boundary.piece[i];
     if (piece.kind == Piece::none || piece.from_x == piece.to_x) continue;
     const Zone& zone = section.zone[piece.zone];
     piece_nodes(piece, zone, kinks_of(section, slant, piece, zone.part),

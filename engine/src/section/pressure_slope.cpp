@@ -111,8 +111,8 @@ SlopeMoments slope_by_boundary(const Section& section, const Slant& slant, const
     sum.xy -= weight * x * strip.first;
     sum.yy -= weight * strip.second;
   };
-  for (int i = 0; i < boundary.count; ++i) {
-    const Piece& piece = boundary.piece[static_cast<std::size_t>(i)];
+  for (std::size_t i = 0; i < boundary.count; ++i) {
+    const Piece& piece = boundary.piece[i];
     if (piece.kind == Piece::none || piece.from_x == piece.to_x) continue;
     const Zone& zone = section.zone[piece.zone];
     Singularities kinks = kinks_of(section, slant, piece, zone.part);

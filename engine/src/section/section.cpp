@@ -75,7 +75,7 @@ void add_zone(Zone::Part part, double lower, double upper, double x0, double alp
     zone.real_lower = real.first > lower - x0 ? real.first + x0 : lower;
     zone.real_upper = real.second < upper - x0 ? real.second + x0 : upper;
   }
-  section.zone[static_cast<std::size_t>(section.zone_count++)] = zone;
+  section.zone[section.zone_count++] = zone;
 }
 
 void add_sphere_zone(Zone::Part part, double lower, double upper, double x0, double radius, double h,
@@ -118,8 +118,8 @@ void set_polygon(const Primitive& primitive, const Corners& at, Section& section
     const Vec3 corner = triangle.corner[i] - section.origin;
     triangle.flat[i] = section.polygon.corner[i] = {dot(corner, section.u), dot(corner, section.v)};
   }
-  for (int i = 0; i < primitive.cut_count; ++i) {
-    const HalfSpace& cut = primitive.cut[static_cast<std::size_t>(i)];
+  for (std::size_t i = 0; i < primitive.cut_count; ++i) {
+    const HalfSpace& cut = primitive.cut[i];
     if (cut_along(cut, kAlongCut * section.radius1, triangle, section.polygon)) continue;
     const Point2 direction{dot(cut.normal, section.u), dot(cut.normal, section.v)};
     const double offset =
@@ -136,21 +136,18 @@ using Excess = std::array<double, Polygon2::kMaxCorners>;
 
 void cut_by(const Excess& excess, Polygon2& polygon) {
   Polygon2 kept;
-  for (int i = 0; i < polygon.count; ++i) {
-    const std::size_t here = static_cast<std::size_t>(i);
-    const std::size_t next = static_cast<std::size_t>(i + 1 == polygon.count ? 0 : i + 1);
+  for (std::size_t here = 0; here < polygon.count; ++here) {
+    const std::size_t next = here + 1 == polygon.count ? 0 : here + 1;
     const Point2 p = polygon.corner[here], q = polygon.corner[next];
     const double ep = excess[here], eq = excess[next];
-    if (ep <= 0 && kept.count < Polygon2::kMaxCorners)
-      kept.corner[static_cast<std::size_t>(kept.count++)] = p;
+    if (ep <= 0 && kept.count < Polygon2::kMaxCorners) kept.corner[kept.count++] = p;
     if ((ep <= 0) != (eq <= 0) && kept.count < Polygon2::kMaxCorners) {
-      kept.corner[static_cast<std::size_t>(kept.count++)] =
+      kept.corner[kept.count++] =
           runs_back(p, q) ? q + (eq / (eq - ep)) * (p - q) : p + (ep / (ep - eq)) * (q - p);
     }
   }
   polygon.count = kept.count < 3 ? 0 : kept.count;
-  for (int i = 0; i < polygon.count; ++i)
-    polygon.corner[static_cast<std::size_t>(i)] = kept.corner[static_cast<std::size_t>(i)];
+  for (std::size_t i = 0; i < polygon.count; ++i) polygon.corner[i] = kept.corner[i];
 }
 
 }  // namespace
@@ -192,8 +189,8 @@ Interval positive_interval(double a, double b, double c, double lower, double up
 
 Interval real_extent(const Section& section) {
   Interval extent{1e300, -1e300};
-  for (int i = 0; i < section.zone_count; ++i) {
-    const Zone& zone = section.zone[static_cast<std::size_t>(i)];
+  for (std::size_t i = 0; i < section.zone_count; ++i) {
+    const Zone& zone = section.zone[i];
     if (!(zone.real_lower < zone.real_upper)) continue;
     extent.first = min(extent.first, zone.real_lower);
     extent.second = max(extent.second, zone.real_upper);
@@ -217,10 +214,10 @@ bool cut_along(const HalfSpace& cut, double near, const PlacedTriangle& triangle
   const auto& [a, b, c] = triangle.flat;
   const double twice = cross(b - a, c - a);
   Excess excess;  // of as many as there are corners
-  for (int i = 0; i < polygon.count; ++i) {
-    const Point2 p = polygon.corner[static_cast<std::size_t>(i)] - a;
+  for (std::size_t i = 0; i < polygon.count; ++i) {
+    const Point2 p = polygon.corner[i] - a;
     const double of_b = cross(p, c - a) / twice, of_c = cross(b - a, p) / twice;
-    excess[static_cast<std::size_t>(i)] = (1 - of_b - of_c) * height[0] + of_b * height[1] + of_c * height[2];
+    excess[i] = (1 - of_b - of_c) * height[0] + of_b * height[1] + of_c * height[2];
   }
   cut_by(excess, polygon);
   return true;
@@ -229,10 +226,9 @@ bool cut_along(const HalfSpace& cut, double near, const PlacedTriangle& triangle
 void cut_polygon(Point2 direction, double offset, Polygon2& polygon) {
   Excess excess;  // of as many as there are corners
   bool outside = false;
-  for (int i = 0; i < polygon.count; ++i) {
-    const std::size_t here = static_cast<std::size_t>(i);
-    excess[here] = dot(direction, polygon.corner[here]) - offset;
-    outside = outside || excess[here] > 0;
+  for (std::size_t i = 0; i < polygon.count; ++i) {
+    excess[i] = dot(direction, polygon.corner[i]) - offset;
+    outside = outside || excess[i] > 0;
   }
   if (outside) cut_by(excess, polygon);
 }

@@ -9,6 +9,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 
 #include "lumbrical/math.h"
 #include "model/corners.h"
@@ -32,8 +33,8 @@ constexpr bool runs_back(Point2 p, Point2 q) { return q.x < p.x || (q.x == p.x &
 /// A triangle after some cuts, each of which adds a corner at most, counter-clockwise; only the first `count`
 /// corners are ever read.
 struct Polygon2 {
-  static constexpr int kMaxCorners = 24;
-  int count = 0;
+  static constexpr std::size_t kMaxCorners = 24;
+  std::uint32_t count = 0;
   std::array<Point2, kMaxCorners> corner;
 };
 
@@ -59,7 +60,7 @@ struct Section {
   double x2 = 0;                    ///< [m] x of the second end; the first is at 0
   double radius1 = 0, radius2 = 0;  ///< [m]
   Shape shape = Shape::round;
-  int zone_count = 0;
+  std::uint32_t zone_count = 0;
   std::array<Zone, 3> zone;  // not initialised: only the first `zone_count` are ever read
   Polygon2 polygon;          ///< the triangle, cut by the primitive's half-spaces
 };
@@ -120,9 +121,9 @@ inline bool is_beyond(Point2 a, Point2 b, double size, Point2 p) {
   return cross(edge, p - a) < 0 && dot(edge, edge) > kOneCorner * kOneCorner * (dot(a, a) + size * size);
 }
 inline bool holds(const Polygon2& polygon, double size, Point2 p) {
-  for (int i = 0; i < polygon.count; ++i) {
-    const Point2 a = polygon.corner[static_cast<std::size_t>(i)];
-    const Point2 b = polygon.corner[static_cast<std::size_t>(i + 1 == polygon.count ? 0 : i + 1)];
+  for (std::size_t i = 0; i < polygon.count; ++i) {
+    const Point2 a = polygon.corner[i];
+    const Point2 b = polygon.corner[i + 1 == polygon.count ? 0 : i + 1];
     if (is_beyond(a, b, size, p)) return false;
   }
   return true;
@@ -135,8 +136,8 @@ inline Vec3 to_world(const Section& section, Point2 p) {
 
 /// Is the point of the plane inside the section?
 inline bool inside_section(const Section& section, Point2 p) {
-  for (int i = 0; i < section.zone_count; ++i) {
-    const Zone& zone = section.zone[static_cast<std::size_t>(i)];
+  for (std::size_t i = 0; i < section.zone_count; ++i) {
+    const Zone& zone = section.zone[i];
     if (p.x >= zone.lower && p.x <= zone.upper) return eta_squared(zone, p.x) >= p.y * p.y;
   }
   return false;
@@ -169,8 +170,8 @@ struct Piece {
 struct Boundary {
   // Within a zone an edge falls into five at most: nothing, an arc, the edge, an arc, nothing. The four lines
   // where zones begin and end cross a convex polygon's edges twice each, and divide them.
-  static constexpr int kMaxPieces = 5 * (Polygon2::kMaxCorners + 2 * 4);
-  int count;
+  static constexpr std::size_t kMaxPieces = 5 * (Polygon2::kMaxCorners + 2 * 4);
+  std::uint32_t count;
   std::array<Piece, kMaxPieces> piece;  // not initialised: only the first `count` are ever read
 };
 void trace_boundary(const Section& section, Boundary& boundary);

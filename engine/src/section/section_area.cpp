@@ -75,8 +75,8 @@ void add_bulge(const Piece& piece, double gamma, Point2 base, ChordArea& sum) {
 
 double extent_of(const Polygon2& polygon) {
   double extent = 0;
-  for (int i = 1; i < polygon.count; ++i) {
-    const Point2 d = polygon.corner[static_cast<std::size_t>(i)] - polygon.corner[0];
+  for (std::size_t i = 1; i < polygon.count; ++i) {
+    const Point2 d = polygon.corner[i] - polygon.corner[0];
     extent = max(extent, max(std::fabs(d.x), std::fabs(d.y)));
   }
   return extent;
@@ -90,8 +90,8 @@ AreaMoments partial_area(const Section& section, const Boundary& boundary) {
   const bool small = extent < 0.5 * section.radius1;
   const Point2 base = small ? section.polygon.corner[0] : Point2{0, 0};
   ChordArea sum;
-  for (int i = 0; i < boundary.count; ++i) {
-    const Piece& piece = boundary.piece[static_cast<std::size_t>(i)];
+  for (std::size_t i = 0; i < boundary.count; ++i) {
+    const Piece& piece = boundary.piece[i];
     const ChordArea chord = under_chord(piece, base);
     sum.area += chord.area;
     sum.x += chord.x;
@@ -111,9 +111,9 @@ AreaMoments polygon_area(const Polygon2& polygon) {
   const Point2 p = polygon.corner[0];
   double twice = 0;
   Point2 moment{0, 0};
-  for (int i = 1; i + 1 < polygon.count; ++i) {
-    const Point2 a = polygon.corner[static_cast<std::size_t>(i)] - p;
-    const Point2 b = polygon.corner[static_cast<std::size_t>(i + 1)] - p;
+  for (std::size_t i = 1; i + 1 < polygon.count; ++i) {
+    const Point2 a = polygon.corner[i] - p;
+    const Point2 b = polygon.corner[i + 1] - p;
     const double area = cross(a, b);
     twice += area;
     moment = moment + area * (a + b);

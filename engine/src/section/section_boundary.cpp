@@ -40,9 +40,9 @@ EdgeLine line_through(Point2 p, Point2 q) {
   return reverse ? EdgeLine{base, q - p, t - 1, t} : EdgeLine{base, d, -t, 1 - t};
 }
 
-void add_piece(Piece::Kind kind, int side, int zone, Point2 from, Point2 to, Boundary& boundary) {
+void add_piece(Piece::Kind kind, int side, std::size_t zone, Point2 from, Point2 to, Boundary& boundary) {
   if (boundary.count == Boundary::kMaxPieces) return;
-  boundary.piece[static_cast<std::size_t>(boundary.count++)] = {
+  boundary.piece[boundary.count++] = {
       kind, static_cast<std::int8_t>(side), static_cast<std::uint8_t>(zone), from.x, from.y, to.x, to.y};
 }
 
@@ -57,7 +57,7 @@ double eta(const Zone& zone, double x) {
 }
 
 // The part t1..t2 of an edge that runs outside the section: the section's own curve takes its place.
-void add_outside(const Zone& zone, int index, const EdgeLine& line, double t1, double t2,
+void add_outside(const Zone& zone, std::size_t index, const EdgeLine& line, double t1, double t2,
                  Boundary& boundary) {
   if (!(t1 < t2)) return;
   const Point2 from = line.at(t1), to = line.at(t2);
@@ -76,8 +76,8 @@ void add_outside(const Zone& zone, int index, const EdgeLine& line, double t1, d
 void trace_edge(const Section& section, Point2 p, Point2 q, Boundary& boundary) {
   const EdgeLine line = line_through(p, q);
   double covered_lower = line.upper, covered_upper = line.lower;
-  for (int i = 0; i < section.zone_count; ++i) {
-    const Zone& zone = section.zone[static_cast<std::size_t>(i)];
+  for (std::size_t i = 0; i < section.zone_count; ++i) {
+    const Zone& zone = section.zone[i];
     const Interval range = zone_interval(zone, line.base, line.direction, line.lower, line.upper);
     if (!(range.first < range.second)) continue;
     covered_lower = min(covered_lower, range.first);
@@ -105,16 +105,16 @@ Overlap classify(const Section& section) {
   const Polygon2& polygon = section.polygon;
   Point2 low = polygon.corner[0], high = low;
   bool inside = inside_section(section, low);
-  for (int i = 1; i < polygon.count; ++i) {
-    const Point2 p = polygon.corner[static_cast<std::size_t>(i)];
+  for (std::size_t i = 1; i < polygon.count; ++i) {
+    const Point2 p = polygon.corner[i];
     low = {min(low.x, p.x), min(low.y, p.y)};
     high = {max(high.x, p.x), max(high.y, p.y)};
     inside = inside && inside_section(section, p);
   }
   if (inside) return Overlap::inside;
   if (low.y >= section.radius1 || high.y <= -section.radius1) return Overlap::apart;
-  for (int i = 0; i < section.zone_count; ++i) {
-    const Zone& zone = section.zone[static_cast<std::size_t>(i)];
+  for (std::size_t i = 0; i < section.zone_count; ++i) {
+    const Zone& zone = section.zone[i];
     if (zone.real_lower < zone.real_upper && low.x < zone.real_upper && high.x > zone.real_lower) {
       return Overlap::partial;
     }
@@ -124,17 +124,16 @@ Overlap classify(const Section& section) {
 
 void trace_boundary(const Section& section, Boundary& boundary) {
   boundary.count = 0;
-  for (int i = 0; i < section.polygon.count; ++i) {
-    const int next = i + 1 == section.polygon.count ? 0 : i + 1;
-    trace_edge(section, section.polygon.corner[static_cast<std::size_t>(i)],
-               section.polygon.corner[static_cast<std::size_t>(next)], boundary);
+  for (std::size_t i = 0; i < section.polygon.count; ++i) {
+    const std::size_t next = i + 1 == section.polygon.count ? 0 : i + 1;
+    trace_edge(section, section.polygon.corner[i], section.polygon.corner[next], boundary);
   }
 }
 
 Interval inside_interval(const Section& section, Point2 base, Point2 direction, double lower, double upper) {
   Interval all{upper, lower};
-  for (int i = 0; i < section.zone_count; ++i) {
-    const Zone& zone = section.zone[static_cast<std::size_t>(i)];
+  for (std::size_t i = 0; i < section.zone_count; ++i) {
+    const Zone& zone = section.zone[i];
     const Interval range = zone_interval(zone, base, direction, lower, upper);
     if (!(range.first < range.second)) continue;
     const Interval inside = inside_zone(zone, base, direction, range);

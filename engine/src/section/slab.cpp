@@ -32,9 +32,8 @@ struct Moments {
 Moments moments_of(const Polygon2& polygon, const Linear& f) {
   Moments sum;
   const Point2 a = polygon.corner[0];
-  for (int i = 1; i + 1 < polygon.count; ++i) {
-    const Point2 b = polygon.corner[static_cast<std::size_t>(i)],
-                 c = polygon.corner[static_cast<std::size_t>(i + 1)];
+  for (std::size_t i = 1; i + 1 < polygon.count; ++i) {
+    const Point2 b = polygon.corner[i], c = polygon.corner[i + 1];
     const double weight = cross(b - a, c - a) / 6;
     for (const Point2 middle : {0.5 * (a + b), 0.5 * (b + c), 0.5 * (c + a)}) {
       sum.volume += weight * f.at(middle);
@@ -54,8 +53,8 @@ Polygon2 polygon_in(const Slab& slab, const Corners& at, const Plane& plane) {
   polygon.corner[2] = {dot(c - a, plane.u), dot(c - a, plane.v)};
   const PlacedTriangle triangle{
       {a, b, c}, plane.n, {polygon.corner[0], polygon.corner[1], polygon.corner[2]}};
-  for (int i = 0; i < slab.face_count && polygon.count >= 3; ++i) {
-    const HalfSpace& face = slab.face[static_cast<std::size_t>(i)];
+  for (std::size_t i = 0; i < slab.face_count && polygon.count >= 3; ++i) {
+    const HalfSpace& face = slab.face[i];
     if (cut_along(face, kAlongCut * slab.thickness, triangle, polygon)) continue;
     const Linear height = height_over(face, plane);
     cut_polygon(height.slope, -height.value, polygon);
@@ -65,8 +64,8 @@ Polygon2 polygon_in(const Slab& slab, const Corners& at, const Plane& plane) {
 
 Point2 deepest_corner(const Polygon2& polygon, const Linear& field) {
   Point2 deepest = polygon.corner[0];
-  for (int i = 1; i < polygon.count; ++i) {
-    const Point2 p = polygon.corner[static_cast<std::size_t>(i)];
+  for (std::size_t i = 1; i < polygon.count; ++i) {
+    const Point2 p = polygon.corner[i];
     if (field.at(p) > field.at(deepest)) deepest = p;
   }
   return deepest;

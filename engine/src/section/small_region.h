@@ -38,8 +38,8 @@ void bulge_nodes(F&& f, const GaussNode (&rule)[N], const Piece& piece, const Zo
 template <class F, std::size_t N>
 void region_nodes(F&& f, const GaussNode (&rule)[N], const Section& section, Point2 corner,
                   const Boundary& boundary) {
-  for (int i = 0; i < boundary.count; ++i) {
-    const Piece& piece = boundary.piece[static_cast<std::size_t>(i)];
+  for (std::size_t i = 0; i < boundary.count; ++i) {
+    const Piece& piece = boundary.piece[i];
     if (piece.kind == Piece::none) continue;
     triangle_nodes(f, rule, corner, {piece.from_x, piece.from_y}, {piece.to_x, piece.to_y});
     if (piece.kind != Piece::arc) continue;
@@ -56,17 +56,16 @@ void region_nodes(F&& f, const GaussNode (&rule)[N], const Section& section, Poi
 
 // A corner of the region.
 inline Point2 corner_of(const Boundary& boundary) {
-  int first = 0;
-  while (first + 1 < boundary.count && boundary.piece[static_cast<std::size_t>(first)].kind == Piece::none)
-    ++first;
-  const Piece& piece = boundary.piece[static_cast<std::size_t>(first)];
+  std::size_t first = 0;
+  while (first + 1 < boundary.count && boundary.piece[first].kind == Piece::none) ++first;
+  const Piece& piece = boundary.piece[first];
   return {piece.from_x, piece.from_y};
 }
 
 inline double reach_from(Point2 p, const Boundary& boundary) {
   double square = 0;
-  for (int i = 0; i < boundary.count; ++i) {
-    const Piece& piece = boundary.piece[static_cast<std::size_t>(i)];
+  for (std::size_t i = 0; i < boundary.count; ++i) {
+    const Piece& piece = boundary.piece[i];
     if (piece.kind == Piece::none) continue;
     const Point2 d{piece.from_x - p.x, piece.from_y - p.y};
     square = max(square, dot(d, d));
