@@ -49,8 +49,7 @@ void add_slab(const SweptPolygon& palm, Vec3 up, const reference::Triangle& tria
   };
   keep(Real(-1) * top, base);
   keep(top, base + Real(palm.radius) * top);
-  for (std::size_t i = 0; i < static_cast<std::size_t>(palm.corner_count); ++i)
-    keep(wide(palm.outward[i]), wide(palm.corner[i]));
+  for (std::size_t i = 0; i < palm.corner_count; ++i) keep(wide(palm.outward[i]), wide(palm.corner[i]));
   for (std::size_t i = 1; i + 1 < polygon.size(); ++i) {
     const Vector &a = polygon[0], &b = polygon[i], &c = polygon[i + 1];
     const Real area = dot(n, cross(b - a, c - a)) / 2;
@@ -66,7 +65,7 @@ Sums by_definition(const SweptPolygon& palm, const reference::Triangle& triangle
   Sums sums;
   add_slab(palm, palm.normal, triangle, sums);
   add_slab(palm, -palm.normal, triangle, sums);
-  const auto count = static_cast<std::size_t>(palm.corner_count);
+  const std::size_t count = palm.corner_count;
   const auto direction = [&](std::size_t i) {  // of edge i, by its corners alone
     const Vec3 way = palm.corner[(i + 1) % count] - palm.corner[i % count];
     return way / norm(way);
@@ -101,7 +100,7 @@ struct PalmPair {
 bool make_pair(test::Random& random, const Pose& X, double low, double high, PalmPair& pair) {
   const SweptPolygon& palm = pair.palm = place_palm(test::random_palm(random), X);
   const double r = palm.radius, size = r * test::power_of_ten(random, low, high);
-  const auto corners = static_cast<std::size_t>(palm.corner_count);
+  const std::size_t corners = palm.corner_count;
   Vec3 middle;
   for (std::size_t k = 0; k < corners; ++k) middle += (palm.corner[k] - palm.corner[0]) / palm.corner_count;
   const Vec3 corner = palm.corner[random.below(corners)] - palm.corner[0];

@@ -20,7 +20,7 @@ struct Feature {
 
 std::vector<Feature> features_of(const SweptPolygon& palm) {
   std::vector<Feature> features{{"palmar side", palm.normal}, {"back", -palm.normal}};
-  const auto count = static_cast<std::size_t>(palm.corner_count);
+  const std::size_t count = palm.corner_count;
   for (std::size_t i = 0; i < count; ++i) {
     const Vec3 at_corner = palm.outward[i] + palm.outward[(i + 1) % count];
     for (const double tilt : {-1.0, 0.0, 0.6}) {
@@ -34,7 +34,7 @@ std::vector<Feature> features_of(const SweptPolygon& palm) {
 // The point of the palm's skin that is farthest in a direction.
 Vec3 foremost(const SweptPolygon& palm, Vec3 outward) {
   Vec3 best = palm.corner[0];
-  for (std::size_t i = 1; i < static_cast<std::size_t>(palm.corner_count); ++i) {
+  for (std::size_t i = 1; i < palm.corner_count; ++i) {
     if (dot(palm.corner[i] - best, outward) > 0) best = palm.corner[i];
   }
   return best + palm.radius * outward;

@@ -30,8 +30,8 @@ OpenPalm open_palm(const Hand& hand) {
   forward_kinematics(hand, {}, std::array<double, kAngleCount>{}, joint);
   const SweptPolygon palm = place_palm(hand.palm, joint[kPalm]);
   OpenPalm open{{}, palm.normal, palm.radius};
-  for (int k = 0; k < palm.corner_count; ++k)
-    open.middle += (1.0 / palm.corner_count) * palm.corner[static_cast<std::size_t>(k)];
+  for (std::size_t k = 0; k < palm.corner_count; ++k)
+    open.middle += (1.0 / palm.corner_count) * palm.corner[k];
   return open;
 }
 // Its skin's middle at `place`, looking up.

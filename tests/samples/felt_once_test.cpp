@@ -27,10 +27,9 @@ double palm_reference(const SweptPolygon& palm, Vec3 p) {
   const Vec3 foot = p - height * palm.normal;
   bool outside = false;
   double aside = 1e300;
-  for (int k = 0; k < palm.corner_count; ++k) {
-    const Vec3 a = palm.corner[static_cast<std::size_t>(k)],
-               b = palm.corner[static_cast<std::size_t>((k + 1) % palm.corner_count)];
-    outside = outside || dot(foot - a, palm.outward[static_cast<std::size_t>(k)]) > 0;
+  for (std::size_t k = 0; k < palm.corner_count; ++k) {
+    const Vec3 a = palm.corner[k], b = palm.corner[(k + 1) % palm.corner_count];
+    outside = outside || dot(foot - a, palm.outward[k]) > 0;
     const double t = std::clamp(dot(foot - a, b - a) / dot(b - a, b - a), 0.0, 1.0);
     aside = std::min(aside, norm(foot - (a + t * (b - a))));
   }

@@ -28,8 +28,7 @@ std::array<double, Bodies::kMostParts> fields_at(const Primitives& hand, const B
   const SweptPolygon& palm = hand.palm;
   const double height = dot(p - palm.corner[0], palm.normal);
   double beyond = 0;  // the farthest edge: beyond a corner the polygon is farther away
-  for (int k = 0; k < palm.corner_count; ++k) {
-    const auto i = static_cast<std::size_t>(k);
+  for (std::size_t i = 0; i < palm.corner_count; ++i) {
     beyond = std::max(beyond, dot(p - palm.corner[i], palm.outward[i]));
   }
   field[palm_number(bodies)] = palm.radius - std::hypot(height, beyond);

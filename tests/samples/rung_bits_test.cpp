@@ -190,8 +190,7 @@ TEST(SampledRung, MeetsWhatIsHardlyOffTheSkinHoweverItSearches) {
   placed(frame);
   const SweptPolygon& palm = placed.scratch().primitives->palm;
   Vec3 middle;
-  for (int k = 0; k < palm.corner_count; ++k)
-    middle += palm.corner[static_cast<std::size_t>(k)] / static_cast<double>(palm.corner_count);
+  for (std::size_t k = 0; k < palm.corner_count; ++k) middle += palm.corner[k] / palm.corner_count;
   constexpr double kLength = 0.006;
   const double slack = kDistanceSlack * (palm.radius + kLength * 2 / 3);
   std::uint32_t met = 0;

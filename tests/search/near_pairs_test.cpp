@@ -73,7 +73,7 @@ void set_palm(Random& random, Vec3 centre, double scale, Primitives& hand) {
 
 void move(const Pose& motion, SweptPolygon& palm) {
   palm.normal = rotate(motion.orientation, palm.normal);
-  for (std::size_t i = 0; i < static_cast<std::size_t>(palm.corner_count); ++i) {
+  for (std::size_t i = 0; i < palm.corner_count; ++i) {
     palm.corner[i] = transform(motion, palm.corner[i]);
     palm.outward[i] = rotate(motion.orientation, palm.outward[i]);
   }

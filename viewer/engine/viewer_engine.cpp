@@ -189,8 +189,7 @@ void answer_view() {
   flatbuffers::FlatBufferBuilder builder(1 << 16);
   const auto joints = builder.CreateVectorOfStructs(joint_positions(hand.joints));
   const auto shapes = builder.CreateVectorOfStructs(phalanges(hand));
-  const auto corners = builder.CreateVectorOfStructs(
-      to_fb(std::span(palm.corner).first(static_cast<std::size_t>(palm.corner_count))));
+  const auto corners = builder.CreateVectorOfStructs(to_fb(std::span(palm.corner).first(palm.corner_count)));
   const auto touched = builder.CreateVectorOfStructs(found);
   const auto all_segments = builder.CreateVectorOfStructs(segments(record.output));
   const auto bases = builder.CreateVectorOfStructs(to_fb(hand.base_joint));

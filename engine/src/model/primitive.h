@@ -51,8 +51,8 @@ struct Primitive {
 
 /// The palm's core: a convex polygon; the palm is everything within `radius` of it.
 struct SweptPolygon {
-  static constexpr int kMostCorners = 16;
-  int corner_count = 0;  ///< 0: no palm
+  static constexpr std::size_t kMostCorners = 16;
+  std::uint32_t corner_count = 0;  ///< 0: no palm
   std::array<Vec3, kMostCorners>
       corner{};  ///< [m] W, in order, counterclockwise seen from the tip of `normal`
   std::array<Vec3, kMostCorners> outward{};  ///< W, unit, in the polygon's plane: away from it across the

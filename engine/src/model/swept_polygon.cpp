@@ -24,7 +24,7 @@ void add(const Primitive& part, Primitives& hand) {
 
 // The slab on the side to which `up` points, a normal of the core.
 void add_slab(const SweptPolygon& palm, Vec3 up, Primitive part, Primitives& hand) {
-  const auto count = static_cast<std::size_t>(palm.corner_count);
+  const std::size_t count = palm.corner_count;
   Vec3 from_first;  // far from the origin no digit of a mean of corners is to be lost
   for (std::size_t i = 0; i < count; ++i)
     from_first += (palm.corner[i] - palm.corner[0]) / static_cast<double>(count);
@@ -47,7 +47,7 @@ SweptPolygon place_palm(const Palm& palm, const Pose& X_WP) {
   SweptPolygon core;
   const std::size_t count = palm.polygon.size();
   if (count < 3 || count > SweptPolygon::kMostCorners) return core;
-  core.corner_count = static_cast<int>(count);
+  core.corner_count = static_cast<std::uint32_t>(count);
   core.radius = 0.5 * palm.thickness;
   core.normal = rotate(X_WP.orientation, {0, -1, 0});
   const bool in_order = twice_area(palm.polygon) > 0;
@@ -70,7 +70,7 @@ void add_palm_parts(const SweptPolygon& palm, Law law, Primitives& hand) {
   add_slab(palm, palm.normal, part, hand);
   add_slab(palm, -palm.normal, part, hand);
 
-  const auto count = static_cast<std::size_t>(palm.corner_count);
+  const std::size_t count = palm.corner_count;
   // Through a corner, halving what lies beyond it: its normal leads from the edge before it to the one after.
   const auto halving = [&](std::size_t i) {
     const Vec3 before = palm.outward[(i + count - 1) % count], after = palm.outward[i];
@@ -95,8 +95,7 @@ Slab slab_of(const SweptPolygon& palm, const Primitive& slab) {
   const HalfSpace core = slab.cut[0];
   add_face({-core.normal, core.point - palm.radius * core.normal});
   add_face(core);
-  for (std::size_t i = 0; i < static_cast<std::size_t>(palm.corner_count); ++i)
-    add_face({palm.outward[i], palm.corner[i]});
+  for (std::size_t i = 0; i < palm.corner_count; ++i) add_face({palm.outward[i], palm.corner[i]});
   return faces;
 }
 

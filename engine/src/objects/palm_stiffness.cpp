@@ -18,8 +18,8 @@ constexpr double kMost = 0.1;    // of the palm's radius
 double area_of(const SweptPolygon& palm) {
   double area = 3.141592653589793 * palm.radius * palm.radius;
   Vec3 last = palm.corner[0];
-  for (int i = palm.corner_count - 1; i >= 0; --i) {
-    const Vec3 corner = palm.corner[static_cast<std::size_t>(i)];
+  for (std::size_t i = palm.corner_count; i-- > 0;) {
+    const Vec3 corner = palm.corner[i];
     area += 0.5 * dot(palm.normal, cross(corner - palm.corner[0], last - palm.corner[0])) +
             palm.radius * norm(corner - last);
     last = corner;

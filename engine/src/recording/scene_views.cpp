@@ -93,7 +93,7 @@ void add_triangles(const std::vector<Vec3>& points, const std::vector<std::uint3
 
 // A palm is round along its edges and flat on both sides.
 void add_palm(const SweptPolygon& palm, Parts& parts) {
-  const auto count = static_cast<std::uint32_t>(palm.corner_count);
+  const std::uint32_t count = palm.corner_count;
   if (count == 0) return;
   std::vector<Vec3> points;
   std::vector<std::uint32_t> indices;

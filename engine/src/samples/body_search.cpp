@@ -256,8 +256,7 @@ PalmQuery query_of_palm(const TreeHead& tree, const SweptPolygon& palm) {
   };
   add(palm.normal, palm.corner[0]);
   add(-palm.normal, palm.corner[0]);
-  for (int k = 0; k < palm.corner_count; ++k)
-    add(palm.outward[static_cast<std::size_t>(k)], palm.corner[static_cast<std::size_t>(k)]);
+  for (std::size_t k = 0; k < palm.corner_count; ++k) add(palm.outward[k], palm.corner[k]);
   query.slack = static_cast<float>(kFloatSlack * (size + palm.radius));
   return query;
 }

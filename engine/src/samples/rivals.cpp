@@ -34,9 +34,8 @@ bool meet(const SweptPolygon& palm, const Rival& rival) {
     return min(dot(normal, rival.phalanx.end1 - point), dot(normal, rival.phalanx.end2 - point)) > reach;
   };
   if (is_beyond(palm.normal, palm.corner[0]) || is_beyond(-palm.normal, palm.corner[0])) return false;
-  for (int k = 0; k < palm.corner_count; ++k) {
-    if (is_beyond(palm.outward[static_cast<std::size_t>(k)], palm.corner[static_cast<std::size_t>(k)]))
-      return false;
+  for (std::size_t k = 0; k < palm.corner_count; ++k) {
+    if (is_beyond(palm.outward[k], palm.corner[k])) return false;
   }
   return true;
 }

@@ -17,7 +17,7 @@ class PalmPolygon {
       : from_(palm.corner[0]), z_(palm.normal), radius_(palm.radius) {
     y_ = palm.outward[0];
     x_ = cross(y_, z_);
-    count_ = static_cast<std::size_t>(palm.corner_count);
+    count_ = palm.corner_count;
     for (std::size_t k = 0; k < count_; ++k) {
       const Vec3 from = palm.corner[k] - from_, edge = palm.corner[(k + 1) % count_] - palm.corner[k];
       edge_[k] = {in_plane(from), in_plane(palm.outward[k]), norm(edge)};

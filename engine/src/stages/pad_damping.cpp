@@ -12,8 +12,8 @@ double skin_reach(const Primitives& hand, std::size_t segment) {
     return norm(whole.end2 - whole.end1) + max(whole.radius1, whole.radius2);
   }
   double reach = 0;
-  for (int i = 0; i < hand.palm.corner_count; ++i) {
-    const Vec3 corner = hand.palm.corner[static_cast<std::size_t>(i)];
+  for (std::size_t i = 0; i < hand.palm.corner_count; ++i) {
+    const Vec3 corner = hand.palm.corner[i];
     reach = max(reach, norm(corner - hand.base_joint[segment]) + hand.palm.radius);
   }
   return reach;

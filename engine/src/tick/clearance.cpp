@@ -46,11 +46,10 @@ bool pose_spheres(const Scene& scene, const DeviceFrame& frame, Primitives& pose
   if (!posed.joints.has(kPalm)) return !spheres.empty();
   const SweptPolygon palm = place_palm(scene.hand.palm, posed.joints.pose[kPalm]);
   Vec3 middle;
-  for (int i = 0; i < palm.corner_count; ++i)
-    middle += palm.corner[static_cast<std::size_t>(i)] / palm.corner_count;
-  for (int i = 0; i < palm.corner_count; ++i) {
-    const Vec3 a = palm.corner[static_cast<std::size_t>(i)] - middle;
-    const Vec3 b = palm.corner[static_cast<std::size_t>((i + 1) % palm.corner_count)] - middle;
+  for (std::size_t i = 0; i < palm.corner_count; ++i) middle += palm.corner[i] / palm.corner_count;
+  for (std::size_t i = 0; i < palm.corner_count; ++i) {
+    const Vec3 a = palm.corner[i] - middle;
+    const Vec3 b = palm.corner[(i + 1) % palm.corner_count] - middle;
     for (int u = 0; u <= kAcrossPalm; ++u) {
       for (int v = 0; u + v <= kAcrossPalm; ++v)
         spheres.push_back({middle + (u * a + v * b) / kAcrossPalm, palm.radius, kPalmSegment});

@@ -194,7 +194,7 @@ constexpr void list_fields(Is<Primitive> auto& primitive, auto&& field) {
 constexpr void list_fields(Is<SweptPolygon> auto& palm, auto&& field) {
   field("corner_count", "", palm.corner_count);
   if (palm.corner_count == 0) return;
-  const auto count = static_cast<std::size_t>(palm.corner_count);
+  const std::size_t count = palm.corner_count;
   field("corner", "m", std::span(palm.corner).first(count));
   field("outward", "", std::span(palm.outward).first(count));
   field("normal", "", palm.normal);
