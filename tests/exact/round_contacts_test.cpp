@@ -143,8 +143,7 @@ std::vector<Contact> contacts_of(Isa isa) {
   std::vector<std::uint64_t> candidates;
   model.execution.isa = isa;
   for (int part = 0; part < 6; ++part) {
-    hand.primitive[static_cast<std::size_t>(hand.count++)] =
-        random_part(random, part % 3, random.direction());
+    hand.primitive[hand.count++] = random_part(random, part % 3, random.direction());
     const Primitive& p = hand.primitive[static_cast<std::size_t>(part)];
     for (int i = 0; i < 500; ++i) {
       const double size = kRadius * std::pow(10.0, random.between(-2.5, 1.5));

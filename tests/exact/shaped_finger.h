@@ -99,7 +99,7 @@ inline std::vector<Contact> contacts_of(const Primitives& hand, const Mesh& mesh
   Model model;
   model.triangles = world_of(mesh);
   std::vector<std::uint64_t> candidates;
-  for (std::uint64_t i = 0; i < static_cast<std::uint64_t>(hand.count); ++i) {
+  for (std::uint64_t i = 0; i < hand.count; ++i) {
     for (std::size_t k = 0; k < mesh.triangles.size(); ++k) candidates.push_back(i << 32 | k);
   }
   std::vector<Contact> contacts(candidates.size());

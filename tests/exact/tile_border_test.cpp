@@ -348,8 +348,8 @@ TEST(TileBorder, OtherLawsKeepThePlanes) {
   const Corners floor = floor_at(0);
   for (const Law law : {Law::column, Law::max_depth, Law::centroid, Law::point}) {
     const Primitives hand = posed(shape, joints_of(shape, 0), law);
-    for (int i = 0; i < hand.count; ++i) {
-      EXPECT_FALSE(borders_on(hand, hand.primitive[static_cast<std::size_t>(i)], floor).any());
+    for (std::size_t i = 0; i < hand.count; ++i) {
+      EXPECT_FALSE(borders_on(hand, hand.primitive[i], floor).any());
     }
   }
 }

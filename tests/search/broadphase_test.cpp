@@ -86,7 +86,7 @@ Primitive random_primitive(Random& random, Vec3 centre, double scale) {
 int count_contacts(const Model& model, const Primitives& hand, const Candidates& candidates) {
   Boundary boundary;
   int contacts = 0;
-  for (std::uint64_t i = 0; i < static_cast<std::uint64_t>(hand.count); ++i) {
+  for (std::uint64_t i = 0; i < hand.count; ++i) {
     for (std::uint32_t k = 0; k < model.triangles.size(); ++k) {
       const auto [a, b, c] = corners_of(model.triangles, k);
       Contact contact;
@@ -160,7 +160,7 @@ TEST(Broadphase, FindsTheCandidatesOfBruteForceInAnySceneAndLosesNoContact) {
     scene.objects.push_back({"soup", soup(random, centre, scale)});
     Primitives hand;
     for (hand.count = 0; hand.count < 10; ++hand.count)
-      hand.primitive[static_cast<std::size_t>(hand.count)] = random_primitive(random, centre, scale);
+      hand.primitive[hand.count] = random_primitive(random, centre, scale);
     Execution brute;
     brute.broadphase = Broadphase::brute;
     const Model model = model_of(scene, brute);
@@ -193,7 +193,7 @@ TEST(Broadphase, FindsTheSameInPlacedRealMeshes) {
     Primitives hand;
     for (hand.count = 0; hand.count < 6; ++hand.count) {
       const Vec3 at = mesh.vertices[random.bits() % mesh.vertices.size()];
-      hand.primitive[static_cast<std::size_t>(hand.count)] = random_primitive(random, at, 0.1 * scale);
+      hand.primitive[hand.count] = random_primitive(random, at, 0.1 * scale);
     }
     Scene scene;
     scene.settings.precision.fill(0);

@@ -68,7 +68,7 @@ void set_palm(Random& random, Vec3 centre, double scale, Primitives& hand) {
   const Quat turn = random.rotation();
   hand.palm = box_palm(random.between(0.1, 0.4) * scale, random.between(0.1, 0.4) * scale, 0, 0.1 * scale,
                        {centre, turn});
-  hand.primitive[static_cast<std::size_t>(hand.count++)] = hand_of(hand.palm).primitive[0];
+  hand.primitive[hand.count++] = hand_of(hand.palm).primitive[0];
 }
 
 void move(const Pose& motion, SweptPolygon& palm) {
@@ -81,15 +81,14 @@ void move(const Pose& motion, SweptPolygon& palm) {
 
 Primitives random_hand(Random& random, Vec3 centre, double scale) {
   Primitives hand;
-  while (hand.count < 8)
-    hand.primitive[static_cast<std::size_t>(hand.count++)] = random_primitive(random, centre, scale);
+  while (hand.count < 8) hand.primitive[hand.count++] = random_primitive(random, centre, scale);
   set_palm(random, centre + random.in_box(0.5 * scale), scale, hand);
   return hand;
 }
 
 // Every primitive goes its own way, by no more than `way`; the planes of some turn about themselves.
 void walk(Random& random, double way, Primitives& hand) {
-  for (std::size_t i = 0; i < static_cast<std::size_t>(hand.count); ++i) {
+  for (std::size_t i = 0; i < hand.count; ++i) {
     Primitive& primitive = hand.primitive[i];
     const Vec3 middle = 0.5 * (primitive.end1 + primitive.end2);
     const double size = norm(primitive.end2 - primitive.end1) + primitive.radius1;
@@ -321,7 +320,7 @@ TEST(NearPairs, AreOfOneWorldOnly) {
   candidates_of(copy, hand, scratch);
   EXPECT_EQ(scratch.near->searches, 0u);
   EXPECT_EQ(candidates_of(second, hand, scratch), candidates_of(second, hand, fresh));
-  EXPECT_EQ(scratch.near->searches, static_cast<std::uint32_t>(hand.count));
+  EXPECT_EQ(scratch.near->searches, hand.count);
   EXPECT_EQ(candidates_of(first, hand, scratch), candidates_of(first, hand, fresh));
 }
 

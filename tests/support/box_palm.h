@@ -72,9 +72,8 @@ struct Pressed {
 
 inline Pressed press(const Model& model, const Primitives& hand) {
   std::vector<std::uint64_t> candidates;
-  for (int i = 0; i < hand.count; ++i) {
-    for (std::size_t k = 0; k < model.triangles.size(); ++k)
-      candidates.push_back(static_cast<std::uint64_t>(i) << 32 | k);
+  for (std::uint64_t i = 0; i < hand.count; ++i) {
+    for (std::size_t k = 0; k < model.triangles.size(); ++k) candidates.push_back(i << 32 | k);
   }
   Pressed pressed;
   pressed.contacts.resize(candidates.size());

@@ -261,9 +261,9 @@ TEST(Tick, AHandThatIsLeftUnshapedWouldHaveTouchedNothing) {
       Primitives& hand = *scratch.primitives;
       if (!hand.out_of_reach) continue;
       ++unshaped;
-      EXPECT_EQ(hand.count, 0);
+      EXPECT_EQ(hand.count, 0u);
       pose_hand(model.hand, model.settings, frame, hand);
-      EXPECT_GT(hand.count, 0);
+      EXPECT_GT(hand.count, 0u);
       ASSERT_TRUE(find_candidates(model, hand, scratch));
       ASSERT_EQ(
           find_contacts(model, hand, {scratch.candidates.data(), scratch.candidate_count}, scratch.contacts),
@@ -352,7 +352,7 @@ TEST(Tick, AHandFeltBySamplesHasNoPrimitivesUntilItsContactsAreAskedFor) {
     Scratch exact_scratch = make_scratch(exact), scratch = make_scratch(sampled);
     tick(exact, exact_state, exact_scratch, frame);
     tick(sampled, state, scratch, frame);
-    EXPECT_EQ(scratch.primitives->count, 0);
+    EXPECT_EQ(scratch.primitives->count, 0u);
     const auto wanted = find_contacts(exact, exact_scratch), contacts = find_contacts(sampled, scratch);
     ASSERT_EQ(contacts.size(), wanted.size());
     for (std::size_t i = 0; i < wanted.size(); ++i) {

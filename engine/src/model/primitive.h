@@ -87,8 +87,8 @@ struct Joints {
 /// All primitives of one posed hand.
 struct Primitives {
   /// 15 phalanges, 15 joints and 5 tips; the palm's slabs and edges.
-  static constexpr int kMaxCount = 15 + 15 + 5 + 2 + SweptPolygon::kMostCorners;
-  int count = 0;  ///< 0 until the exact rung asks for them (`tile_hand`)
+  static constexpr std::size_t kMaxCount = 15 + 15 + 5 + 2 + SweptPolygon::kMostCorners;
+  std::uint32_t count = 0;  ///< 0 until the exact rung asks for them (`tile_hand`)
   std::array<Primitive, kMaxCount> primitive{};
   std::uint32_t flags = 0;    ///< TickFlag bits so far: of the input and of placing the hand
   bool in_reach = false;      ///< the hand was placed near what it may touch, and given its shape

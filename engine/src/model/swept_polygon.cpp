@@ -19,7 +19,7 @@ double twice_area(const std::vector<Vec3>& polygon) {
 
 void add(const Primitive& part, Primitives& hand) {
   assert(hand.count < Primitives::kMaxCount);
-  hand.primitive[static_cast<std::size_t>(hand.count++)] = part;
+  hand.primitive[hand.count++] = part;
 }
 
 // The slab on the side to which `up` points, a normal of the core.

@@ -77,7 +77,7 @@ double distance_moved(const Hull& from, const Hull& to) {
 
 SkinLimits skin_limits(const Primitives& hand) {
   double least = kInfinite, coordinate = 0, longest = 0;
-  for (std::size_t i = 0; i < static_cast<std::size_t>(hand.count); ++i) {
+  for (std::size_t i = 0; i < hand.count; ++i) {
     const Primitive& primitive = hand.primitive[i];
     least = min(least, min(primitive.radius1, primitive.radius2));
     coordinate = max(coordinate, max(largest_of(primitive.end1), largest_of(primitive.end2)));

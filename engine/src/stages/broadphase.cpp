@@ -32,7 +32,7 @@ constexpr std::uint32_t kRest = 1000;
 
 Box box_round(const Primitives& hand, double skin) {
   Box box;
-  for (std::size_t i = 0; i < static_cast<std::size_t>(hand.count); ++i) {
+  for (std::size_t i = 0; i < hand.count; ++i) {
     const Primitive& primitive = hand.primitive[i];
     const double reach = (1 + 1e-6) * (max(primitive.radius1, primitive.radius2) + skin);
     box.add(primitive.end1, reach);
@@ -53,7 +53,7 @@ struct Plan {
 // A list is worth its price where it lives for a few ticks, so for a primitive that moves slowly. Of lists
 // that are half used up the most used one gives way before it has to: else all would end in the same tick.
 Plan make_plan(const Primitives& hand, bool lists, NearPairs& near) {
-  const auto count = static_cast<std::size_t>(hand.count);
+  const std::size_t count = hand.count;
   Plan plan;
   const SkinLimits limits = lists ? skin_limits(hand) : SkinLimits{};
   plan.most_skin = limits.most;
@@ -178,7 +178,7 @@ std::size_t write_list(const Model& model, const Hull& now, std::span<const std:
 // order of the work doesn't matter.
 bool write_candidates(const Model& model, const Primitives& hand, Scratch& scratch) {
   NearPairs& near = *scratch.near;
-  const auto lists = static_cast<std::size_t>(hand.count);
+  const std::size_t lists = hand.count;
   std::array<std::size_t, Primitives::kMaxCount> place{}, doubtful{};
   std::size_t total = 0;
   for (std::size_t i = 0; i < lists; ++i) {
@@ -238,8 +238,7 @@ bool find_candidates(const Model& model, const Primitives& hand, Scratch& scratc
   NearPairs& near = *scratch.near;
   const bool other_world = near.build != model.build;
   near.build = model.build;
-  for (std::size_t i = 0; i < static_cast<std::size_t>(hand.count); ++i)
-    set_hull(hand.primitive[i], hand.palm, near.now[i]);
+  for (std::size_t i = 0; i < hand.count; ++i) set_hull(hand.primitive[i], hand.palm, near.now[i]);
   if (near.rest > 0) --near.rest;
   const bool lists = scratch.keep_near && !other_world && near.rest == 0 && model.build != 0 &&
                      model.execution.broadphase != Broadphase::brute;

@@ -36,7 +36,7 @@ std::uint32_t find_joints(const Hand& hand, const DeviceFrame& frame, Joints& jo
 bool is_exact(Law law) { return law == Law::field || law == Law::column; }
 
 void add(const Primitive& primitive, Primitives& hand) {
-  if (hand.count < Primitives::kMaxCount) hand.primitive[static_cast<std::size_t>(hand.count++)] = primitive;
+  if (hand.count < Primitives::kMaxCount) hand.primitive[hand.count++] = primitive;
 }
 
 void add_cut(Vec3 normal, Vec3 point, Primitive& primitive, double overhang = 0) {

@@ -363,7 +363,7 @@ std::uint32_t find_contacts(const Model& model, const Primitives& hand,
   if (candidates.empty()) return 0;
   const FieldKernels& kernels = field_kernels(model.execution.isa);
   FixedList<RoundHull, Primitives::kMaxCount> hulls;
-  for (std::size_t i = 0; i < static_cast<std::size_t>(hand.count); ++i)
+  for (std::size_t i = 0; i < hand.count; ++i)
     hulls.push_back(suits_lanes(hand.primitive[i]) ? round_hull(hand.primitive[i]) : RoundHull{});
   const std::uint32_t threads = candidates.size() < kSerialBelow ? 1 : model.execution.threads;
   const std::size_t chunk = chunk_for(candidates.size(), threads);

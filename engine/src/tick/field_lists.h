@@ -226,7 +226,7 @@ constexpr void list_fields(Is<Primitives> auto& hand, auto&& field) {
   if (hand.count == 0 && (hand.in_reach || hand.out_of_reach)) field("joints", "", hand.joints);
   if (!hand.in_reach) return;
   if (hand.count > 0) {
-    field("primitive", "", std::span(hand.primitive).first(static_cast<std::size_t>(hand.count)));
+    field("primitive", "", std::span(hand.primitive).first(hand.count));
     field("border", "", hand.border);
     field("folded", "", hand.folded);
   }

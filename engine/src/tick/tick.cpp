@@ -199,7 +199,7 @@ void place_contact(const Pose& X_WO, Contact& contact) {
 }
 
 int segment_of(const Primitives& hand, const Contact& contact) {
-  assert(contact.primitive < static_cast<std::uint32_t>(hand.count));
+  assert(contact.primitive < hand.count);
   return hand.primitive[contact.primitive].segment;
 }
 
@@ -238,7 +238,7 @@ std::span<const Contact> find_contacts(const Model& model, Scratch& scratch, std
 }
 
 double contact_depth(const Model& model, const Scratch& scratch, const Contact& contact) {
-  assert(contact.primitive < static_cast<std::uint32_t>(scratch.primitives->count));
+  assert(contact.primitive < scratch.primitives->count);
   const FloatingPointGuard guard;
   return depth_of(model, *scratch.primitives, contact);
 }
