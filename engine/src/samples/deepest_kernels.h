@@ -115,7 +115,7 @@ inline std::uint32_t deepest_of(const PatchList& list, const Bodies& bodies, con
     };
     const V tie = number<V>(kTie) * seen[0].tile.radius;
     CellSums<V> cells[kAll];
-    for_cells<Fields, Fields>(
+    for_cells<Fields>(
         steps,
         [&](float u) LUMBRICAL_INLINE {
           Row row;
@@ -123,7 +123,7 @@ inline std::uint32_t deepest_of(const PatchList& list, const Bodies& bodies, con
           row.of_palm = from_palm.corner + V(u) * from_palm.edge1;
           return row;
         },
-        fields, fields,
+        fields,
         [&](float u, float v, bool upright, const Fields& a, const Fields& b, const Fields& c,
             const Fields& centre) LUMBRICAL_INLINE {
           const std::array<Cell<V>, kAll> its = cells_where_leading(a, b, c, centre, tie);
@@ -235,8 +235,8 @@ std::uint32_t parts_lattice(const PatchList& list, const Bodies& bodies, std::ui
       using Point = typename SharingParts<V>::Point;
       const auto point = [&](V u, float v) { return sharing.at(k, u, V(v)); };
       CellSums<V> cells;
-      for_cells<Point, Point>(
-          steps, [](float u) LUMBRICAL_INLINE { return V(u); }, point, point,
+      for_cells<Point>(
+          steps, [](float u) LUMBRICAL_INLINE { return V(u); }, point,
           [&](float u, float v, bool upright, const Point& a, const Point& b, const Point& c,
               const Point& centre) LUMBRICAL_INLINE {
             const PartCell<V> own(a.field, b.field, c.field, centre.field);

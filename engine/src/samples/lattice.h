@@ -257,20 +257,20 @@ inline constexpr std::array<LatticePlaces, kMostStepsAtOnce + 1> kLatticePlaces 
   return all;
 }();
 
-/// Goes through the cells row by row. `row(u)` is what a row's points have in common, `corner(row, v)` the
-/// field at one of them, or the fields, `centre(row, v)` the same at a cell's centroid (u, v), and
+/// Goes through the cells row by row. `row(u)` is what a row's points have in common, `field(row, v)` the
+/// field at one of them, or the fields, at corners and at cells' centroids (u, v), and
 /// `take(u, v, upright, a, b, c, centre)` gets a cell. Two cells that make a square have b and c in common,
 /// of which b has the greater u and c the greater v; a is at the corner with less of both where the cell is
 /// upright. Fields come first and cells after: each by itself has less to wait for.
-template <class Value, class Centre, class Row, class Corner, class AtCentre, class Take>
-LUMBRICAL_INLINE inline void for_cells(std::size_t steps, const Row& row, const Corner& corner,
-                                       const AtCentre& centre, const Take& take) {
+template <class Value, class Row, class Field, class Take>
+LUMBRICAL_INLINE inline void for_cells(std::size_t steps, const Row& row, const Field& field,
+                                       const Take& take) {
   const LatticePlaces& at = kLatticePlaces[steps];
   Value values[2][kMostStepsAtOnce + 1];
-  Centre upright[kMostStepsAtOnce], inverted[kMostStepsAtOnce];
+  Value upright[kMostStepsAtOnce], inverted[kMostStepsAtOnce];
   Value *above = values[0], *below = values[1];
   const auto fill_row = [&](const auto& of_row, std::size_t count, Value* to) LUMBRICAL_INLINE {
-    for (std::size_t j = 0; j < count; ++j) to[j] = corner(of_row, at.point[j]);
+    for (std::size_t j = 0; j < count; ++j) to[j] = field(of_row, at.point[j]);
   };
   fill_row(row(0.0f), steps + 1, above);
   for (std::size_t i = 0; i < steps; ++i) {
@@ -278,8 +278,8 @@ LUMBRICAL_INLINE inline void for_cells(std::size_t steps, const Row& row, const 
     const auto up_row = row(up), down_row = row(down);
     const std::size_t last = steps - i - 1;
     fill_row(row(at.point[i + 1]), last + 1, below);
-    for (std::size_t j = 0; j <= last; ++j) upright[j] = centre(up_row, at.upright[j]);
-    for (std::size_t j = 0; j < last; ++j) inverted[j] = centre(down_row, at.inverted[j]);
+    for (std::size_t j = 0; j <= last; ++j) upright[j] = field(up_row, at.upright[j]);
+    for (std::size_t j = 0; j < last; ++j) inverted[j] = field(down_row, at.inverted[j]);
     for (std::size_t j = 0; j < last; ++j) {
       take(up, at.upright[j], true, above[j], below[j], above[j + 1], upright[j]);
       take(down, at.inverted[j], false, below[j + 1], below[j], above[j + 1], inverted[j]);
@@ -294,9 +294,9 @@ template <class V, class Row, class Field>
 LUMBRICAL_INLINE inline LatticeMoments<V> lattice_moments(std::size_t steps, const Row& row,
                                                           const Field& field) {
   CellSums<V> sums;
-  for_cells<V, V>(steps, row, field, field,
-                  [&](float u, float v, bool upright, V a, V b, V c, V centre)
-                      LUMBRICAL_INLINE { sums.add(V(u), V(v), upright, cell_of(a, b, c, centre)); });
+  for_cells<V>(steps, row, field,
+               [&](float u, float v, bool upright, V a, V b, V c, V centre)
+                   LUMBRICAL_INLINE { sums.add(V(u), V(v), upright, cell_of(a, b, c, centre)); });
   return sums.means(steps);
 }
 

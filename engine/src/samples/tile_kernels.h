@@ -138,14 +138,14 @@ inline std::uint32_t shared_lattice(const PatchList& list, const FingerBody* fin
       return shared_point<V, N>(near, at);
     };
     CellSums<V> cells[N];
-    for_cells<Point, Point>(
+    for_cells<Point>(
         steps,
         [&](float u) LUMBRICAL_INLINE {
           RowOfAll row;
           for (std::size_t k = 0; k < N; ++k) row.of[k] = tile[k].row(V(u));
           return row;
         },
-        point, point,
+        point,
         [&](float u, float v, bool upright, const Point& a, const Point& b, const Point& c,
             const Point& centre) LUMBRICAL_INLINE {
           const std::array<Cell<V>, N> its = shared_cells<V, N>(a, b, c, centre, tie);
