@@ -197,13 +197,13 @@ std::vector<Fate> fates_of(const Model& model, std::size_t level, const OtherPar
   for (const std::vector<std::uint32_t>& row : rows) {
     std::array<std::uint32_t, PatchBlock::kWidth> found;
     std::transform(row.begin(), row.end(), found.begin(),
-                   [&](std::uint32_t block) { return block << 3 | finger.tiles(); });
+                   [&](std::uint32_t block) { return found_at(block, finger.tiles()); });
     std::array<FoundPatches, PatchBlock::kWidth> taken;
     CentroidForce force;
     const auto sorted =
         sample_kernels(model.execution.isa)
-            .sort_blocks(blocks.data(), finger, others, 0, found.data(), row.size(), taken.data(), force);
-    for (std::size_t i = 0; i < sorted.open_count; ++i) fates[found[i] >> 3] = Fate::opened;
+            .sort_blocks({blocks.data(), 0}, others, found.data(), row.size(), {taken.data(), force});
+    for (std::size_t i = 0; i < sorted.open_count; ++i) fates[place_of(found[i])] = Fate::opened;
     for (std::size_t i = 0; i < sorted.whole_count; ++i) fates[taken[i].block] = Fate::taken;
   }
   return fates;
@@ -356,7 +356,7 @@ TEST(SkinBlocks, ThatAreOpenedAddNoMoreThanThereIsRoomFor) {
   const std::vector<FoundPatches> before(2 * room, {0, 1, 0});
   searcher.found.resize(room + before.size());  // here what is too much does no harm
   CentroidForce force;
-  find_for_body(model, *scratch.primitives, memory.bodies, memory.search.cuts, 0,
+  find_for_body({model, *scratch.primitives, memory.bodies, memory.search.cuts}, 0,
                 {SearchFrom::Where::before, before, {}}, searcher, force);
   EXPECT_GT(searcher.count, most_patches(model));
   EXPECT_LE(searcher.count, room);

@@ -106,17 +106,16 @@ inline BlockClaims claims_of(const BlockRows& rows, const BlockKinds& kinds, con
 /// near)`. Places are given in `found`, from the bit `shift` on.
 template <class V, class Whole>
 inline SampleKernels::Sorted part_blocks(const BlockRows& rows, const BlockKinds& kinds,
-                                         const OtherParts& others, const BlockSamples* blocks,
-                                         const Whole& whole, unsigned shift, std::uint32_t first,
-                                         std::uint32_t* found, std::size_t count, FoundPatches* patches,
-                                         CentroidForce& force) {
+                                         const OtherParts& others, const BlockLevel& level,
+                                         const Whole& whole, unsigned shift, std::uint32_t* found,
+                                         std::size_t count, const FoundSink& sink) {
   SampleKernels::Sorted sorted{0, 0};
   TakenWhole taken[BlockRows::kWidth];
   unsigned small_of[FingerBody::kMostTiles] = {};
   for (std::size_t lane = 0; lane < count; ++lane) {
     if (kinds.kind[lane] < 0) continue;
     taken[lane] = whole(static_cast<std::uint32_t>(kinds.kind[lane]), !(kinds.is_near[lane] > 0));
-    if (!(blocks[found[lane] >> shift].size <= taken[lane].size)) continue;
+    if (!(level.blocks[found[lane] >> shift].size <= taken[lane].size)) continue;
     small_of[kTileOfKind[static_cast<std::uint32_t>(kinds.kind[lane])]] |= 1u << lane;
   }
   // Rivals are asked about their own tile's blocks only: what else is in the row must not show.
@@ -132,10 +131,11 @@ inline SampleKernels::Sorted part_blocks(const BlockRows& rows, const BlockKinds
     const std::uint32_t place = found[lane] >> shift;
     if ((small >> lane & 1u) != 0) {
       if ((all_outdone >> lane & 1u) == 0)
-        patches[sorted.whole_count++] = {static_cast<std::uint16_t>(taken[lane].key), 1, first + place};
+        sink.patches[sorted.whole_count++] = {static_cast<std::uint16_t>(taken[lane].key), 1,
+                                              level.first + place};
       const float field = kinds.field[lane] > 0 ? kinds.field[lane] : 0;
       for (std::size_t axis = 0; axis < 3; ++axis)  // in a lane of its own, whatever blocks are beside it
-        force.lane[axis][place % BlockRows::kWidth] += field * blocks[place].normal[axis];
+        sink.force.lane[axis][place % BlockRows::kWidth] += field * level.blocks[place].normal[axis];
     } else {
       found[sorted.open_count++] = found[lane];
     }
@@ -160,12 +160,12 @@ inline TakenWhole taken_by_palm(const PalmBody& palm, std::uint32_t kind, bool i
 }
 
 template <class V>
-SampleKernels::Sorted sort_blocks(const BlockSamples* blocks, const FingerBody& finger,
-                                  const OtherParts& others, std::uint32_t first, std::uint32_t* found,
-                                  std::size_t count, FoundPatches* patches, CentroidForce& force) {
+SampleKernels::Sorted sort_blocks(const BlockLevel& level, const OtherParts& others, std::uint32_t* found,
+                                  std::size_t count, const FoundSink& sink) {
+  const FingerBody& finger = others.bodies.finger[others.body];
   const float largest = largest_radius(finger);
   BlockRows rows;
-  gather(blocks, split_point(finger.origin), found, 3, count, rows);
+  gather(level.blocks, others.origin(), found, FingerBody::kTileBits, count, rows);
   BlockKinds of;
   unsigned met[FingerBody::kMostTiles] = {};
   for (unsigned lane = 0; lane < BlockRows::kWidth; lane += static_cast<unsigned>(wide::Lanes<V>::kCount)) {
@@ -177,39 +177,36 @@ SampleKernels::Sorted sort_blocks(const BlockSamples* blocks, const FingerBody& 
     put(of.field + lane, kinds.field);
     put(of.is_near + lane, kinds.is_near);
   }
-  for (std::size_t lane = 0; lane < count; ++lane) {
-    const std::uint32_t tiles =
-        (met[0] >> lane & 1u) | (met[1] >> lane & 1u) << 1 | (met[2] >> lane & 1u) << 2;
-    found[lane] = (found[lane] & ~7u) | tiles;
-  }
+  for (unsigned lane = 0; lane < count; ++lane)
+    found[lane] = found_at(place_of(found[lane]), tiles_in_lane(met, lane));
   return part_blocks<V>(
-      rows, of, others, blocks,
-      [&](std::uint32_t kind, bool is_clear) { return taken_by_finger(finger, kind, is_clear); }, 3, first,
-      found, count, patches, force);
+      rows, of, others, level,
+      [&](std::uint32_t kind, bool is_clear) { return taken_by_finger(finger, kind, is_clear); },
+      FingerBody::kTileBits, found, count, sink);
 }
 
 template <class V>
-SampleKernels::Sorted sort_palm_blocks(const BlockSamples* blocks, const PalmBody& palm,
-                                       const OtherParts& others, std::uint32_t first, std::uint32_t* found,
-                                       std::size_t count, FoundPatches* patches, CentroidForce& force) {
+SampleKernels::Sorted sort_palm_blocks(const BlockLevel& level, const OtherParts& others,
+                                       std::uint32_t* found, std::size_t count, const FoundSink& sink) {
+  const PalmBody& palm = others.bodies.palm;
   BlockRows rows;
-  gather(blocks, split_point(palm.origin), found, 0, count, rows);
+  gather(level.blocks, others.origin(), found, 0, count, rows);
   BlockKinds of;
   for (unsigned lane = 0; lane < BlockRows::kWidth; lane += static_cast<unsigned>(wide::Lanes<V>::kCount)) {
     const Boxes<V> boxes = boxes_of<V>(rows, lane, palm.radius);
-    const auto [kind, is_near, near_field] = palm_kinds(palm, boxes);
+    const Kinds<V> kinds = palm_kinds(palm, boxes);
     const V reach = boxes.reach;
     const V field = palm_field(palm, turn_into(palm.axis, boxes.centre)), distance = V(palm.radius) - field;
     const auto is_smooth = field > reach && distance >= number<V>(kSmoothReach) * reach;
-    const auto is_beside = kind == number<V>(kind::kPalm) && is_smooth;
-    put(of.kind + lane, select(is_beside, number<V>(kind::kPalmBlockBeside), kind));
+    const auto is_beside = kinds.kind == number<V>(kind::kPalm) && is_smooth;
+    put(of.kind + lane, select(is_beside, number<V>(kind::kPalmBlockBeside), kinds.kind));
     put(of.field + lane, field);
-    put(of.is_near + lane, is_near);
+    put(of.is_near + lane, kinds.is_near);
   }
   return part_blocks<V>(
-      rows, of, others, blocks,
-      [&](std::uint32_t kind, bool is_clear) { return taken_by_palm(palm, kind, is_clear); }, 0, first, found,
-      count, patches, force);
+      rows, of, others, level,
+      [&](std::uint32_t kind, bool is_clear) { return taken_by_palm(palm, kind, is_clear); }, 0, found, count,
+      sink);
 }
 
 /// The numbers of sixteen blocks, by number and lane.

@@ -115,8 +115,7 @@ BodyOffsets offsets_from(Vec3 point, const Bodies& bodies) {
   for (std::size_t i = 0; i < bodies.finger_count; ++i) {
     const FingerBody& finger = bodies.finger[i];
     put(finger.origin - point, offsets.of[i]);
-    for (std::size_t k = 0; k < finger.tile_count; ++k)
-      offsets.largest = std::max(offsets.largest, finger.tile[k].radius);
+    offsets.largest = std::max(offsets.largest, largest_radius(finger));
   }
   put(bodies.palm.origin - point, offsets.of[bodies.finger_count]);
   return offsets;

@@ -5,6 +5,7 @@
 #include <array>
 #include <cstdint>
 
+#include "base/always_inline.h"
 #include "base/set_bits.h"
 #include "index/patches.h"
 #include "lumbrical/hand.h"
@@ -38,6 +39,7 @@ struct JointSides {
 /// Up to three phalanges that follow each other.
 struct FingerBody {
   static constexpr std::size_t kMostTiles = 3;
+  static constexpr unsigned kTileBits = kMostTiles;  ///< of a number that has a bit for each tile
   std::size_t tile_count = 0;
   std::uint8_t segment[kMostTiles] = {};
   const LatticeSteps* steps[kMostTiles] = {};  ///< of each tile's lattices in a patch of each class
@@ -86,6 +88,14 @@ inline const TileFrame& tile_at(const FingerBody* fingers, std::size_t number) {
   return fingers[number / Bodies::kTilesApart].tile[number % Bodies::kTilesApart];
 }
 
+/// [m] Of its tiles.
+LUMBRICAL_INLINE inline float largest_radius(const FingerBody& finger) {
+  float largest = 0;
+  for (std::size_t k = 0; k < finger.tile_count; ++k)
+    if (finger.tile[k].radius > largest) largest = finger.tile[k].radius;
+  return largest;
+}
+
 /// The palm's number, behind those of the last finger's tiles.
 inline std::size_t palm_number(const Bodies& bodies) { return bodies.finger_count * Bodies::kTilesApart; }
 
@@ -94,6 +104,12 @@ std::uint64_t parts_of(const Bodies& bodies);
 
 /// The body that a part of the hand belongs to.
 constexpr std::size_t body_of(std::size_t part) { return part / Bodies::kTilesApart; }
+
+/// The segment that a part is.
+inline std::size_t segment_of(const Bodies& bodies, std::size_t part) {
+  if (part == palm_number(bodies)) return kPalmSegment;
+  return bodies.finger[body_of(part)].segment[part % Bodies::kTilesApart];
+}
 
 /// Those of some parts that belong to a body, from its first on.
 constexpr std::uint64_t parts_of_body(std::uint64_t parts, std::size_t body) {

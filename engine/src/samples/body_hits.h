@@ -27,8 +27,7 @@ std::size_t finger_hits(const SphereBlock* spheres, const SphereQuery* queries, 
     const std::uint32_t first = blocks[i] * SphereBlock::kWidth;
     for (; any != 0; any &= any - 1) {
       const auto lane = static_cast<std::uint32_t>(__builtin_ctz(any));
-      const std::uint32_t by = (of[0] >> lane & 1u) | (of[1] >> lane & 1u) << 1 | (of[2] >> lane & 1u) << 2;
-      hits[count++] = tiles ? (first + lane) << 3 | by : first + lane;
+      hits[count++] = tiles ? found_at(first + lane, tiles_in_lane(of, lane)) : first + lane;
     }
   }
   return count;

@@ -20,7 +20,7 @@ constexpr std::size_t kWidth = PatchBlock::kWidth;
 template <class Hits, class Sort, class Classify>
 struct BodySearch {
   Hits hits;          // (spheres, blocks, count, with bits, to) -> count
-  Sort sort;          // (samples, first, found, count, to) -> Sorted
+  Sort sort;          // (level, found, count, to) -> Sorted
   Classify classify;  // (arrays, found, count, to) -> count
   float largest;      // [m] block that it may take as one
   std::uint32_t shift, every_tile;
@@ -60,10 +60,11 @@ template <class Search>
 std::size_t open_blocks(const Search& search, const Patches& patches, std::size_t level,
                         std::span<std::uint32_t> blocks, PatchSearcher& searcher) {
   const std::uint32_t first = patches.first_samples[level];
+  const BlockLevel of_level{patches.samples.data() + first, first};
   std::size_t open = 0;
   for (std::size_t i = 0; i < blocks.size(); i += kWidth) {
-    const auto sorted = search.sort(patches.samples.data() + first, first, blocks.data() + i,
-                                    std::min(kWidth, blocks.size() - i), searcher.end());
+    const auto sorted =
+        search.sort(of_level, blocks.data() + i, std::min(kWidth, blocks.size() - i), searcher.end());
     searcher.count += sorted.whole_count;
     std::copy_n(blocks.data() + i, sorted.open_count, blocks.data() + open);
     open += sorted.open_count;
@@ -207,16 +208,14 @@ TreeHead head_of_blocks(const Model& model, const CutPatches& cuts) {
   return head;
 }
 
-void find_for_finger(const Model& model, const Primitives& hand, const CutPatches& cuts,
-                     const OtherParts& others, const SearchFrom& from, PatchSearcher& searcher,
-                     CentroidForce& force) {
+void find_for_finger(const HandSearch& task, const OtherParts& others, const SearchFrom& from,
+                     PatchSearcher& searcher, CentroidForce& force) {
   const FingerBody& finger = others.bodies.finger[others.body];
-  const SplitPoint& origin = others.bodies.origin[others.body];
-  const SampleKernels& kernels = sample_kernels(model.execution.isa);
-  const TreeHead head = head_of_blocks(model, cuts);
+  const SampleKernels& kernels = sample_kernels(task.model.execution.isa);
+  const TreeHead head = head_of_blocks(task.model, task.cuts);
   SphereQuery queries[FingerBody::kMostTiles];
   for (std::size_t k = 0; k < finger.tile_count; ++k) {
-    queries[k] = query_of(head, hand.capsule[finger.segment[k]]);
+    queries[k] = query_of(head, task.hand.capsule[finger.segment[k]]);
     queries[k].reach += distance_slack(others);
   }
   const BodySearch search{
@@ -224,19 +223,19 @@ void find_for_finger(const Model& model, const Primitives& hand, const CutPatche
           std::uint32_t* to) {
         return kernels.finger_hits(spheres, queries, finger.tile_count, blocks, count, with_bits, to);
       },
-      [&](const BlockSamples* samples, std::uint32_t first, std::uint32_t* blocks, std::size_t count,
-          FoundPatches* to) {
-        return kernels.sort_blocks(samples, finger, others, first, blocks, count, to, force);
+      [&](const BlockLevel& level, std::uint32_t* blocks, std::size_t count, FoundPatches* to) {
+        return kernels.sort_blocks(level, others, blocks, count, {to, force});
       },
       [&](const PatchArrays& arrays, const std::uint32_t* blocks, std::size_t count, FoundPatches* to) {
-        return leave_near(arrays.shape, origin, finger, to,
-                          kernels.classify_finger(arrays.block, finger, blocks, count, to, force));
+        return leave_near(
+            arrays.shape, others.origin(), finger, to,
+            kernels.classify_finger(arrays.block, finger, others.origin(), blocks, count, {to, force}));
       },
       std::max(*std::max_element(finger.block_size, finger.block_size + finger.tile_count),
                finger.block_on_skin),
-      3,
+      FingerBody::kTileBits,
       finger.tiles()};
-  find_from(search, model, cuts, from, searcher);
+  find_from(search, task.model, task.cuts, from, searcher);
 }
 
 void set_plane(Vec3 normal, double offset, float (&plane)[4]) {
@@ -261,29 +260,27 @@ PalmQuery query_of_palm(const TreeHead& tree, const SweptPolygon& palm) {
   return query;
 }
 
-void find_for_palm(const Model& model, const Primitives& hand, const CutPatches& cuts,
-                   const OtherParts& others, const SearchFrom& from, PatchSearcher& searcher,
-                   CentroidForce& force) {
+void find_for_palm(const HandSearch& task, const OtherParts& others, const SearchFrom& from,
+                   PatchSearcher& searcher, CentroidForce& force) {
   const PalmBody& palm = others.bodies.palm;
-  const SplitPoint& origin = others.bodies.origin[others.body];
-  const SampleKernels& kernels = sample_kernels(model.execution.isa);
-  PalmQuery query = query_of_palm(head_of_blocks(model, cuts), hand.palm);
+  const SampleKernels& kernels = sample_kernels(task.model.execution.isa);
+  PalmQuery query = query_of_palm(head_of_blocks(task.model, task.cuts), task.hand.palm);
   query.slack += distance_slack(others);
   const BodySearch search{
       [&](const SphereBlock* spheres, const std::uint32_t* blocks, std::size_t count, bool,
           std::uint32_t* to) { return kernels.palm_hits(spheres, query, blocks, count, to); },
-      [&](const BlockSamples* samples, std::uint32_t first, std::uint32_t* blocks, std::size_t count,
-          FoundPatches* to) {
-        return kernels.sort_palm_blocks(samples, palm, others, first, blocks, count, to, force);
+      [&](const BlockLevel& level, std::uint32_t* blocks, std::size_t count, FoundPatches* to) {
+        return kernels.sort_palm_blocks(level, others, blocks, count, {to, force});
       },
       [&](const PatchArrays& arrays, const std::uint32_t* blocks, std::size_t count, FoundPatches* to) {
-        return leave_near(arrays.shape, origin, palm, to,
-                          kernels.classify_palm(arrays.block, palm, blocks, count, to, force));
+        return leave_near(
+            arrays.shape, others.origin(), palm, to,
+            kernels.classify_palm(arrays.block, palm, others.origin(), blocks, count, {to, force}));
       },
       std::max({palm.block_size[0], palm.block_size[1], palm.block_on_skin}),
       0,
       0};
-  find_from(search, model, cuts, from, searcher);
+  find_from(search, task.model, task.cuts, from, searcher);
 }
 
 }  // namespace
@@ -293,16 +290,16 @@ std::size_t most_patches(const Model& model) {
                                (Bodies::kMostFingers + 1) * most_blocks(model) * kWidth);
 }
 
-std::span<const FoundPatches> find_for_body(const Model& model, const Primitives& hand, const Bodies& bodies,
-                                            const CutPatches& cuts, std::size_t body, const SearchFrom& from,
+std::span<const FoundPatches> find_for_body(const HandSearch& task, std::size_t body, const SearchFrom& from,
                                             PatchSearcher& searcher, CentroidForce& force) {
+  const Bodies& bodies = task.bodies;
   const std::size_t begin = searcher.count;
   const bool is_finger = body < bodies.finger_count;
   const Vec3 origin = is_finger ? bodies.finger[body].origin : bodies.palm.origin;
   const OtherParts others{bodies, body, offsets_from(origin, bodies),
-                          model.settings.felt_once == FeltOnce::never ? nullptr : &*searcher.rivals};
+                          task.model.settings.felt_once == FeltOnce::never ? nullptr : &*searcher.rivals};
   const auto find = is_finger ? find_for_finger : find_for_palm;
-  find(model, hand, cuts, others, from, searcher, force);
+  find(task, others, from, searcher, force);
   return std::span(searcher.found).subspan(begin, searcher.count - begin);
 }
 

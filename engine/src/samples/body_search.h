@@ -28,6 +28,14 @@ struct PatchSearcher {
   [[nodiscard]] FoundPatches* end() { return found.data() + count; }
 };
 
+/// Whose bodies search, and among what.
+struct HandSearch {
+  const Model& model;
+  const Primitives& hand;
+  const Bodies& bodies;  ///< of the hand
+  const CutPatches& cuts;
+};
+
 /// Where a body is searched for: among all patches, in what was found before, or in some blocks of patches.
 struct SearchFrom {
   enum class Where : std::uint8_t { everywhere, before, blocks } where = Where::everywhere;
@@ -37,8 +45,7 @@ struct SearchFrom {
 /// What a body (the palm is behind the fingers) finds from there. Adds what it feels by the patches'
 /// centroids to `force`. Searches stop where a searcher has found more than most_patches: there is room for a
 /// step beyond that.
-std::span<const FoundPatches> find_for_body(const Model& model, const Primitives& hand, const Bodies& bodies,
-                                            const CutPatches& cuts, std::size_t body, const SearchFrom& from,
+std::span<const FoundPatches> find_for_body(const HandSearch& task, std::size_t body, const SearchFrom& from,
                                             PatchSearcher& searcher, CentroidForce& force);
 
 }  // namespace lumbrical

@@ -225,48 +225,41 @@ LUMBRICAL_INLINE inline Kinds<V> finger_kinds(const FingerBody& finger, const Di
   return shared_kinds(finger, view_finger(finger, discs, tiles), discs.reach, tiles);
 }
 
-inline float largest_radius(const FingerBody& finger) {
-  float largest = 0;
-  for (std::size_t k = 0; k < finger.tile_count; ++k)
-    if (finger.tile[k].radius > largest) largest = finger.tile[k].radius;
-  return largest;
-}
-
-/// Puts the patches of blocks that a body meets into `patches` and adds what their centroids feel to `force`:
-/// `kinds_of(discs, found)`. Keys come first and lists after, so that no branch waits for a key to be
-/// computed.
+/// Puts the patches of blocks that a body meets into `sink` and adds what their centroids feel to its force:
+/// `kinds_of(discs, found)`, of blocks at `place(found)`. Keys come first and lists after, so that no branch
+/// waits for a key to be computed.
 template <class V, class Place, class KindsOf>
 inline std::size_t classify(const PatchBlock* blocks, const SplitPoint& origin, float largest,
-                            const std::uint32_t* found, std::size_t block_count, const Place& place_of,
-                            const KindsOf& kinds_of, FoundPatches* patches, CentroidForce& force) {
+                            const std::uint32_t* found, std::size_t block_count, const Place& place,
+                            const KindsOf& kinds_of, const FoundSink& sink) {
   constexpr std::size_t kAhead = 3;
   BlockKeys keys;
   for (std::size_t i = 0; i < block_count; ++i) {
-    if (i + kAhead < block_count) prefetch_block(blocks[place_of(found[i + kAhead])]);
-    const PatchBlock& block = blocks[place_of(found[i])];
+    if (i + kAhead < block_count) prefetch_block(blocks[place(found[i + kAhead])]);
+    const PatchBlock& block = blocks[place(found[i])];
     for (unsigned lane = 0; lane < PatchBlock::kWidth;
          lane += static_cast<unsigned>(wide::Lanes<V>::kCount)) {
       const Discs<V> discs = discs_of<V>(block, origin, largest, lane);
       const Kinds<V> kinds = kinds_of(discs, found[i]);
-      add_centroids(discs, kinds, lane, force);
+      add_centroids(discs, kinds, lane, sink.force);
       put(keys.of[i] + lane, key_of(kinds, get(block.size + lane, V{})));
     }
   }
   std::size_t count = 0;
   for (std::size_t i = 0; i < block_count; ++i)
-    list_patches<V>(keys.of[i], place_of(found[i]), patches, count);
+    list_patches<V>(keys.of[i], place(found[i]), sink.patches, count);
   return count;
 }
 
 template <class V>
-std::size_t classify_finger(const PatchBlock* blocks, const FingerBody& finger, const std::uint32_t* found,
-                            std::size_t block_count, FoundPatches* patches, CentroidForce& force) {
+std::size_t classify_finger(const PatchBlock* blocks, const FingerBody& finger, const SplitPoint& origin,
+                            const std::uint32_t* found, std::size_t block_count, const FoundSink& sink) {
   return classify<V>(
-      blocks, split_point(finger.origin), largest_radius(finger), found, block_count,
-      [](std::uint32_t block) { return block >> 3; },
+      blocks, origin, largest_radius(finger), found, block_count,
+      [](std::uint32_t block) { return place_of(block); },
       [&](const Discs<V>& discs, std::uint32_t block)
-          LUMBRICAL_INLINE { return finger_kinds(finger, discs, block & 7u); },
-      patches, force);
+          LUMBRICAL_INLINE { return finger_kinds(finger, discs, tiles_of(block)); },
+      sink);
 }
 
 /// What discs have to do with the palm: nothing; above the polygon kPalmSide or kPalmThrough, or kPalmBlock
@@ -299,18 +292,17 @@ inline Kinds<V> palm_kinds(const PalmBody& palm, const Shape<V>& discs) {
 }
 
 template <class V>
-std::size_t classify_palm(const PatchBlock* blocks, const PalmBody& palm, const std::uint32_t* found,
-                          std::size_t block_count, FoundPatches* patches, CentroidForce& force) {
+std::size_t classify_palm(const PatchBlock* blocks, const PalmBody& palm, const SplitPoint& origin,
+                          const std::uint32_t* found, std::size_t block_count, const FoundSink& sink) {
   return classify<V>(
-      blocks, split_point(palm.origin), palm.radius, found, block_count,
-      [](std::uint32_t block) { return block; },
+      blocks, origin, palm.radius, found, block_count, [](std::uint32_t block) { return block; },
       [&](const Discs<V>& discs, std::uint32_t) LUMBRICAL_INLINE {
         Kinds<V> kinds = palm_kinds(palm, discs);
         kinds.kind =
             select(kinds.kind == number<V>(kind::kPalmBlock), number<V>(kind::kPalmSide), kinds.kind);
         return kinds;
       },
-      patches, force);
+      sink);
 }
 
 }  // namespace lumbrical::LUMBRICAL_ISA

@@ -1,7 +1,5 @@
 #include "samples/effort.h"
 
-#include <algorithm>
-
 namespace lumbrical {
 namespace {
 

@@ -96,7 +96,7 @@ bool put_in_order(std::span<const std::span<const FoundPatches>> found, NearPatc
   for (std::size_t body = 0; body < found.size(); ++body) {
     for (const FoundPatches& patches : found[body]) {
       const PatchRun run = near.runs[next[patches.key]++] = run_of(patches, body);
-      const std::uint64_t innermost = std::uint64_t{1} << run.tile % ListedPatch::kFarEnd;
+      const std::uint64_t innermost = std::uint64_t{1} << first_tile(run.tile);
       near.innermost[patches.key] |= innermost;
       for (std::uint32_t k = 0; k < sharers_of(kind_of(patches)); ++k) near.tiles |= innermost << k;
     }

@@ -77,11 +77,10 @@ std::size_t leave_near_of(const PatchShape* shapes, const SplitPoint& origin, co
     FoundPatches& near = found[i];
     if (near.key < kFirstNear) continue;
     unsigned clear = 0;
-    for (unsigned left = near.lanes; left != 0; left &= left - 1) {
-      const auto lane = static_cast<unsigned>(__builtin_ctz(left));
+    for_numbers(near.lanes, [&](std::size_t lane) {
       const PatchPlane plane = plane_of(shapes[near.block * PatchBlock::kWidth + lane], origin);
       clear |= static_cast<unsigned>(is_clear(plane, body, kind_of(near))) << lane;
-    }
+    });
     const auto key = static_cast<std::uint16_t>(near.key - kFirstNear);
     if (clear == near.lanes) {
       near.key = key;

@@ -31,6 +31,10 @@ std::uint64_t parts_in(const FoundPatches& found, std::size_t body) {
   return std::uint64_t{kPartsOfKind[kind_of(found)]} << body * Bodies::kTilesApart;
 }
 
+std::uint32_t place_in(const FoundPatches& entry, std::size_t lane) {
+  return entry.block * kLanes + static_cast<std::uint32_t>(lane);
+}
+
 template <class Take>
 void for_entries(FoundByBody found, const Take& take) {
   for (std::size_t body = 0; body < found.size(); ++body) {
@@ -107,6 +111,12 @@ void see_sharers(const Patches& patches, FoundByBody found, Rivals& rivals, Over
   });
 }
 
+// Of a patch in an entry: near a skeleton where any body that shares it has it so.
+std::uint32_t class_in(const SharedBlock& shared, const FoundPatches& entry, std::size_t lane) {
+  return static_cast<std::uint32_t>(class_of(entry) % kPatchSizes +
+                                    kPatchSizes * (shared.near_skeleton >> lane & 1u));
+}
+
 // Lanes that at least one of some bodies has, at least two, and more.
 struct LaneCounts {
   unsigned once = 0, twice = 0, more = 0;
@@ -179,34 +189,28 @@ struct Lists {
   // Lanes of a finger's entry, by the first of two fingers.
   void add_together(const FoundPatches& entry, std::size_t body, unsigned lanes, const SharedBlock& shared) {
     const auto first = static_cast<std::uint32_t>(body * Bodies::kTilesApart) + kTileOfKind[kind_of(entry)];
-    for (; lanes != 0; lanes &= lanes - 1) {
-      const auto lane = static_cast<std::uint32_t>(__builtin_ctz(lanes));
+    for_numbers(lanes, [&](std::size_t lane) {
       const auto is_of = [&](std::size_t i) { return (shared.of_body[i] >> lane & 1u) != 0; };
       const bool has_two = (shared.of_two >> lane & 1u) != 0, has_palm = is_of(bodies.finger_count);
       std::size_t other = body + 1;
       while (has_two && other < bodies.finger_count && !is_of(other)) ++other;
-      if (has_two && other == bodies.finger_count) continue;  // listed by the other finger
+      if (has_two && other == bodies.finger_count) return;  // listed by the other finger
       const std::uint64_t second =
           has_two ? parts_of_body(shared.parts, other) << other * Bodies::kTilesApart : 0;
       overlaps.parts |= std::uint64_t{1} << first | second | std::uint64_t{has_palm} << palm_number(bodies);
       std::uint32_t code = first;
       if (has_two) code += ListedPatch::kSecond * static_cast<std::uint32_t>(__builtin_ctzll(second));
       if (!has_palm) code += ListedPatch::kWithoutPalm;
-      const std::size_t size = class_of(entry) % kPatchSizes,
-                        patch_class = size + kPatchSizes * (shared.near_skeleton >> lane & 1u);
       overlaps.found_together[together++] = {
-          {entry.block * kLanes + lane, code},
-          static_cast<std::uint32_t>((has_two ? kPatchClasses : 0) + patch_class)};
-    }
+          {place_in(entry, lane), code},
+          static_cast<std::uint32_t>(has_two ? kPatchClasses : 0) + class_in(shared, entry, lane)};
+    });
   }
   void add_by_parts(const FoundPatches& entry, std::size_t body, unsigned lanes, const SharedBlock& shared) {
-    const std::size_t size = class_of(entry) % kPatchSizes;
-    for (; lanes != 0; lanes &= lanes - 1) {
-      const auto lane = static_cast<std::uint32_t>(__builtin_ctz(lanes));
-      const std::size_t patch_class = size + kPatchSizes * (shared.near_skeleton >> lane & 1u);
-      overlaps.found_by_parts[by_parts++] = {entry.block * kLanes + lane,
-                                             static_cast<std::uint32_t>(patch_class), parts_in(entry, body)};
-    }
+    for_numbers(lanes, [&](std::size_t lane) {
+      overlaps.found_by_parts[by_parts++] = {place_in(entry, lane), class_in(shared, entry, lane),
+                                             parts_in(entry, body)};
+    });
   }
 };
 

@@ -15,7 +15,7 @@ struct Rival {
   double length, reach;
 
   Rival(const Primitives& hand, const Bodies& bodies, std::size_t part)
-      : phalanx(hand.capsule[bodies.finger[body_of(part)].segment[part % Bodies::kTilesApart]]),
+      : phalanx(hand.capsule[segment_of(bodies, part)]),
         length(tile_at(bodies.finger.data(), part).length),
         reach((1 + 0.5 * kApart) * max(phalanx.radius1, phalanx.radius2)) {}
 };

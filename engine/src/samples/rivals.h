@@ -37,6 +37,9 @@ struct OtherParts {
   BodyOffsets offset;
   Rivals* rivals;  ///< null: each part is felt by itself
 
+  /// The body's own.
+  [[nodiscard]] LUMBRICAL_INLINE const SplitPoint& origin() const { return bodies.origin[body]; }
+
   /// The rivals of a finger's tile, or of the palm as the first.
   [[nodiscard]] std::uint64_t of_tile(std::size_t tile) const {
     return rivals == nullptr ? 0 : rivals->of(body * Bodies::kTilesApart + tile);

@@ -158,26 +158,51 @@ struct PalmQuery {
 /// Blocks that are classified at a time, at most.
 inline constexpr std::size_t kBlocksAtATime = 64;
 
+/// A block that a finger's search has found: its place, and a bit per tile that its sphere may reach.
+LUMBRICAL_INLINE constexpr std::uint32_t found_at(std::uint32_t place, std::uint32_t tiles) {
+  return place << FingerBody::kTileBits | tiles;
+}
+LUMBRICAL_INLINE constexpr std::uint32_t place_of(std::uint32_t found) {
+  return found >> FingerBody::kTileBits;
+}
+LUMBRICAL_INLINE constexpr std::uint32_t tiles_of(std::uint32_t found) {
+  return found & ((1u << FingerBody::kTileBits) - 1);
+}
+/// From a bit per lane of each tile to the tiles of a lane.
+LUMBRICAL_INLINE inline std::uint32_t tiles_in_lane(const unsigned (&of)[FingerBody::kMostTiles],
+                                                    unsigned lane) {
+  return (of[0] >> lane & 1u) | (of[1] >> lane & 1u) << 1 | (of[2] >> lane & 1u) << 2;
+}
+
+/// Blocks of a level, and the first one's number among all.
+struct BlockLevel {
+  const BlockSamples* blocks;
+  std::uint32_t first;
+};
+/// Where what a body finds goes, and what it feels of that by the patches' centroids is added.
+struct FoundSink {
+  FoundPatches* patches;
+  CentroidForce& force;
+};
+
 struct SampleKernels {
   struct Sorted {
     std::size_t open_count, whole_count;
   };
-  /// Of up to sixteen blocks, of patches or of blocks, `found` keeps, first, those that have to be opened;
-  /// small ones that lie inside go to `patches` as wholes, by their numbers plus `first`. A finger's are
-  /// given as place << 3, plus a bit per tile that the block's sphere may reach; the palm's as places. Where
-  /// others may be deeper in some of a block it is no whole, and where they are in all of it, nothing.
-  Sorted (*sort_blocks)(const BlockSamples* blocks, const FingerBody& finger, const OtherParts& others,
-                        std::uint32_t first, std::uint32_t* found, std::size_t count, FoundPatches* patches,
-                        CentroidForce& force);
-  Sorted (*sort_palm_blocks)(const BlockSamples* blocks, const PalmBody& palm, const OtherParts& others,
-                             std::uint32_t first, std::uint32_t* found, std::size_t count,
-                             FoundPatches* patches, CentroidForce& force);
-  /// Writes the blocks' patches that the body may meet, and in what way; returns how many.
-  std::size_t (*classify_finger)(const PatchBlock* blocks, const FingerBody& finger,
-                                 const std::uint32_t* found, std::size_t count, FoundPatches* patches,
-                                 CentroidForce& force);
-  std::size_t (*classify_palm)(const PatchBlock* blocks, const PalmBody& palm, const std::uint32_t* found,
-                               std::size_t count, FoundPatches* patches, CentroidForce& force);
+  /// Of up to sixteen blocks of a level that the body of `others` has found, `found` keeps, first, those that
+  /// have to be opened; small ones that lie inside go to `sink` as wholes, by their numbers among all
+  /// levels'. A finger's are given with the tiles that a block's sphere may reach (found_at); the palm's as
+  /// places. Where others may be deeper in some of a block it is no whole, and where they are in all of it,
+  /// nothing.
+  Sorted (*sort_blocks)(const BlockLevel& level, const OtherParts& others, std::uint32_t* found,
+                        std::size_t count, const FoundSink& sink);
+  Sorted (*sort_palm_blocks)(const BlockLevel& level, const OtherParts& others, std::uint32_t* found,
+                             std::size_t count, const FoundSink& sink);
+  /// Writes the blocks' patches that the body of that origin may meet, and in what way; returns how many.
+  std::size_t (*classify_finger)(const PatchBlock* blocks, const FingerBody& finger, const SplitPoint& origin,
+                                 const std::uint32_t* found, std::size_t count, const FoundSink& sink);
+  std::size_t (*classify_palm)(const PatchBlock* blocks, const PalmBody& palm, const SplitPoint& origin,
+                               const std::uint32_t* found, std::size_t count, const FoundSink& sink);
   // Kernels add to sums (of tiles by their numbers) and return how many of the patches they found touched.
   /// One tile.
   std::uint32_t (*tile_lattice)(const PatchList& list, const FingerBody* fingers, TilePart part,
@@ -195,7 +220,7 @@ struct SampleKernels {
   std::uint32_t (*palm_side)(const PatchList& list, const PalmBody& palm, BodySums& sums);
   std::uint32_t (*palm_lattice)(const PatchList& list, const PalmBody& palm, BodySums& sums);
   /// Which spheres of the blocks the tree's query meets, as sphere_hits does, for up to three queries: the
-  /// places, or (`tiles`) places << 3 plus a bit per query.
+  /// places, or (`tiles`) places with a bit per query (found_at).
   std::size_t (*finger_hits)(const SphereBlock* spheres, const SphereQuery* queries, std::size_t query_count,
                              const std::uint32_t* blocks, std::size_t block_count, bool tiles,
                              std::uint32_t* hits);

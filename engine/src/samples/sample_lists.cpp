@@ -32,7 +32,7 @@ PatchList wanted_of(SampleWork& work, std::uint32_t first, std::uint32_t last, s
   std::uint64_t innermost = 0;
   for (std::uint32_t k = 0; k < sharers_of(first); ++k) innermost |= wanted >> k;
   const auto is_wanted = [innermost](const ListedPatch& patch) {
-    return (innermost >> patch.tile % ListedPatch::kFarEnd & 1u) != 0;
+    return (innermost >> first_tile(patch.tile) & 1u) != 0;
   };
   const std::uint64_t listed_for = work.near.tiles_of_kinds(first, last, patch_class);
   if ((listed_for & innermost) == 0) return {};
@@ -127,8 +127,7 @@ void run_blocks(SampleWork& work, std::size_t block_class) {
   for (std::size_t i = 0, end = 0; i < fingers.size(); i = end) {
     const std::uint32_t tile = fingers[i].tile;
     while (end < fingers.size() && fingers[end].tile == tile) ++end;
-    const BlockList list{samples, fingers.data() + i, end - i,
-                         work.bodies.origin[tile / Bodies::kTilesApart]};
+    const BlockList list{samples, fingers.data() + i, end - i, work.bodies.origin[body_of(tile)]};
     work.memory.touched +=
         work.kernels.tile_blocks(list, tile_at(work.fingers(), tile), work.sums(kOnce)[tile]);
   }

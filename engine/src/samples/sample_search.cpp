@@ -37,8 +37,8 @@ std::span<const std::uint32_t> blocks_found(const PatchSearchMemory& memory, std
 }
 
 // Bodies that are not felt but may be in the way of others: of the blocks that those have found patches of.
-void find_in_the_way(const Model& model, const Primitives& hand, const Bodies& bodies,
-                     PatchSearchMemory& memory) {
+void find_in_the_way(const HandSearch& search, PatchSearchMemory& memory) {
+  const Bodies& bodies = search.bodies;
   PatchSearcher& searcher = memory.searcher[0];
   const std::uint64_t parts = parts_of(bodies);
   for (std::size_t body = 0; body <= bodies.finger_count; ++body) {
@@ -50,18 +50,18 @@ void find_in_the_way(const Model& model, const Primitives& hand, const Bodies& b
     if (others == 0) continue;
     CentroidForce unused;
     const SearchFrom from{SearchFrom::Where::blocks, {}, blocks_found(memory, others, searcher.frontier[1])};
-    memory.found[body] = find_for_body(model, hand, bodies, memory.cuts, body, from, searcher, unused);
+    memory.found[body] = find_for_body(search, body, from, searcher, unused);
   }
 }
 
 // Bodies are shared out among the searchers, whoever is free. False where they find too much.
-bool find_all(const Model& model, const Primitives& hand, const Bodies& bodies, bool open,
-              PatchSearchMemory& memory) {
+bool find_all(const HandSearch& search, bool open, PatchSearchMemory& memory) {
+  const Bodies& bodies = search.bodies;
   const std::size_t threads = memory.listed < kSerialBelow ? 1 : memory.searcher.size();
-  const std::size_t most = most_patches(model);
+  const std::size_t most = most_patches(search.model);
   for (PatchSearcher& searcher : memory.searcher) {
     searcher.count = 0;
-    searcher.rivals.emplace(hand, bodies);
+    searcher.rivals.emplace(search.hand, bodies);
     if (open) std::swap(searcher.found, searcher.before);
   }
   const auto before = memory.found;
@@ -78,12 +78,11 @@ bool find_all(const Model& model, const Primitives& hand, const Bodies& bodies, 
         SearchFrom from;
         if (open) from = {SearchFrom::Where::before, before[body], {}};
         CentroidForce unused;
-        memory.found[body] = find_for_body(model, hand, bodies, memory.cuts, body, from, searcher,
-                                           open ? unused : memory.force[body]);
+        memory.found[body] = find_for_body(search, body, from, searcher, open ? unused : memory.force[body]);
       }
     }
   });
-  find_in_the_way(model, hand, bodies, memory);
+  find_in_the_way(search, memory);
   std::size_t total = 0;
   for (const PatchSearcher& searcher : memory.searcher) total += searcher.count;
   return total <= most;
@@ -106,11 +105,11 @@ void size_search(const Model& model, PatchSearchMemory& memory) {
 
 bool find_patches(const Model& model, const Primitives& hand, const Bodies& bodies,
                   PatchSearchMemory& memory) {
-  return find_all(model, hand, bodies, false, memory);
+  return find_all({model, hand, bodies, memory.cuts}, false, memory);
 }
 bool open_patches(const Model& model, const Primitives& hand, const Bodies& bodies,
                   PatchSearchMemory& memory) {
-  return find_all(model, hand, bodies, true, memory);
+  return find_all({model, hand, bodies, memory.cuts}, true, memory);
 }
 
 bool found_any(const PatchSearchMemory& memory) {

@@ -1,6 +1,5 @@
 #include "samples/sampled_forces.h"
 
-#include <algorithm>
 #include <cmath>
 
 #include "base/at_least.h"
@@ -10,13 +9,6 @@
 
 namespace lumbrical {
 namespace {
-
-// ---- Numbers of tiles, and of the palm ----
-
-std::size_t segment_of(const Bodies& bodies, std::size_t number) {
-  if (number == palm_number(bodies)) return kPalmSegment;
-  return bodies.finger[body_of(number)].segment[number % Bodies::kTilesApart];
-}
 
 // What is added to sums is rounded to: 4e-12 to 3e-11 of R^3, so that a thousand addends are not off by a
 // share of 1e-9 that a hand feels, and 4000 R^3 fit in, forty times what a whole hand laid flat and deep
