@@ -87,8 +87,8 @@ void run_together(SampleWork& work, std::size_t patch_class, std::size_t steps, 
 
 }  // namespace
 
-void run_lattices(SampleWork& work, std::size_t patch_class, std::size_t level, Part part) {
-  BodySums* const sums = work.sums(part);
+void run_lattices(SampleWork& work, std::size_t patch_class, std::size_t level, Mix mix) {
+  BodySums* const sums = work.sums(mix);
   PartsBySteps parts = tiles_by_steps(work.bodies, level, patch_class);
   for_numbers(parts.any, [&](std::size_t steps) {
     run_fingers(work, patch_class, steps, {sums, parts.of[steps]});
@@ -108,7 +108,7 @@ void run_lattices(SampleWork& work, std::size_t patch_class, std::size_t level, 
 }
 
 void run_smooth(SampleWork& work, std::size_t patch_class) {
-  const TileSums sums{work.sums(kOnce), ~std::uint64_t{0}};
+  const TileSums sums{work.sums(Mix::once), ~std::uint64_t{0}};
   const PatchList inside = work.list(work.of_kinds(kind::kInside, kind::kInside + 2, patch_class)),
                   side = work.list(work.of_kinds(kind::kPalmSide, kind::kPalmSide, patch_class)),
                   through = work.list(work.of_kinds(kind::kPalmThrough, kind::kPalmThrough, patch_class));
@@ -129,12 +129,12 @@ void run_blocks(SampleWork& work, std::size_t block_class) {
     while (end < fingers.size() && fingers[end].tile == tile) ++end;
     const BlockList list{samples, fingers.data() + i, end - i, work.bodies.origin[body_of(tile)]};
     work.memory.touched +=
-        work.kernels.tile_blocks(list, tile_at(work.fingers(), tile), work.sums(kOnce)[tile]);
+        work.kernels.tile_blocks(list, tile_at(work.fingers(), tile), work.sums(Mix::once)[tile]);
   }
   if (!palm.empty()) {
     const BlockList list{samples, palm.data(), palm.size(), work.bodies.origin[work.bodies.finger_count]};
     work.memory.touched +=
-        work.kernels.palm_blocks(list, work.bodies.palm, work.sums(kOnce)[palm_number(work.bodies)]);
+        work.kernels.palm_blocks(list, work.bodies.palm, work.sums(Mix::once)[palm_number(work.bodies)]);
   }
 }
 

@@ -12,14 +12,19 @@
 
 namespace lumbrical {
 
-/// Sums of what is felt once and, where two levels are mixed, by the lattices of either.
-enum Part : std::size_t { kOnce, kCoarser, kFiner };
+/// What is felt once and, where two levels are mixed, by the lattices of either.
+enum class Mix : std::uint8_t { once, coarser, finer };
 
 /// What one thread works with.
 struct SampleThread {
   std::vector<ListedPatch> chosen;            ///< for one kernel
-  std::array<std::vector<BodySums>, 3> sums;  ///< of each part, of tiles and palm by their numbers
+  std::array<std::vector<BodySums>, 3> sums;  ///< of each Mix, of tiles and palm by their numbers
   std::uint32_t touched = 0;
+
+  [[nodiscard]] const std::vector<BodySums>& sums_of(Mix mix) const {
+    return sums[static_cast<std::size_t>(mix)];
+  }
+  [[nodiscard]] std::vector<BodySums>& sums_of(Mix mix) { return sums[static_cast<std::size_t>(mix)]; }
 };
 
 /// A hand's patches, and who computes them: one of `threads`, each of which takes its part of every list.
@@ -35,7 +40,7 @@ struct SampleWork {
   std::size_t lists = 0;  ///< shared out so far
 
   [[nodiscard]] const FingerBody* fingers() const { return bodies.finger.data(); }
-  [[nodiscard]] BodySums* sums(Part part) const { return memory.sums[part].data(); }
+  [[nodiscard]] BodySums* sums(Mix mix) const { return memory.sums_of(mix).data(); }
   [[nodiscard]] PatchList list(std::span<const ListedPatch> listed, std::size_t steps = 0) const {
     return {patches.shape.data(), listed.data(), listed.size(),
             bodies.origin.data(), steps,         static_cast<std::uint32_t>(patches.shape.size()),
@@ -63,6 +68,6 @@ void run_blocks(SampleWork& work, std::size_t block_class);
 void run_smooth(SampleWork& work, std::size_t patch_class);
 
 /// Lattices of a level over the patches of a class, those that several bodies share too.
-void run_lattices(SampleWork& work, std::size_t patch_class, std::size_t level, Part part);
+void run_lattices(SampleWork& work, std::size_t patch_class, std::size_t level, Mix mix);
 
 }  // namespace lumbrical

@@ -31,10 +31,10 @@ BodySums empty_sums(const Primitives& hand) {
 /// Twice the integral, as kernels leave it, and its moment.
 using SumOfLanes = std::array<double, 6>;
 
-SumOfLanes total_of(const SampleMemory& memory, std::size_t threads, Part part, std::size_t number) {
+SumOfLanes total_of(const SampleMemory& memory, std::size_t threads, Mix mix, std::size_t number) {
   SumOfLanes total{};
   for (std::size_t t = 0; t < threads; ++t) {
-    for (std::size_t k = 0; k < 6; ++k) total[k] += sum_of(memory.thread[t].sums[part][number].lane[k]);
+    for (std::size_t k = 0; k < 6; ++k) total[k] += sum_of(memory.thread[t].sums_of(mix)[number].lane[k]);
   }
   return total;
 }
@@ -77,12 +77,12 @@ struct SampleTeam {
   BodySums zero;
   std::size_t threads = 1;
 
-  [[nodiscard]] SegmentWrenches wrenches(Part part) const {
+  [[nodiscard]] SegmentWrenches wrenches(Mix mix) const {
     SegmentWrenches wrenches{};
     for_numbers(memory.near.tiles, [&](std::size_t number) {
       const std::size_t i = segment_of(memory.bodies, number);
       wrenches[i] =
-          wrench_of(memory.bodies, total_of(memory, threads, part, number), number, hand.base_joint[i]);
+          wrench_of(memory.bodies, total_of(memory, threads, mix, number), number, hand.base_joint[i]);
     });
     return wrenches;
   }
@@ -93,17 +93,17 @@ struct SampleTeam {
   }
 };
 
-// Calls stage(work) for each of as many threads as that many evaluations are worth; sums of `parts` are begun
+// Calls stage(work) for each of as many threads as that many evaluations are worth; sums of `mixes` are begun
 // anew.
 template <class Stage>
-void share_out(SampleTeam& team, std::uint64_t evaluations, std::initializer_list<Part> parts,
+void share_out(SampleTeam& team, std::uint64_t evaluations, std::initializer_list<Mix> mixes,
                const Stage& stage) {
   team.threads = evaluations < kSerialEvaluations ? 1 : team.memory.thread.size();
   parallel_chunks(team.threads, 1, team.threads, [&](std::size_t first, std::size_t last) {
     for (std::size_t number = first; number < last; ++number) {
       SampleThread& own = team.memory.thread[number];
-      for (const Part part : parts)
-        for_numbers(team.memory.near.tiles, [&](std::size_t k) { own.sums[part][k] = team.zero; });
+      for (const Mix mix : mixes)
+        for_numbers(team.memory.near.tiles, [&](std::size_t k) { own.sums_of(mix)[k] = team.zero; });
       own.touched = 0;
       SampleWork work{sample_kernels(team.model.execution.isa),
                       *team.model.patches,
@@ -125,28 +125,28 @@ void share_out(SampleTeam& team, std::uint64_t evaluations, std::initializer_lis
 }
 
 void feel_on_one_level(SampleTeam& team, std::size_t level, SampledForces& forces) {
-  share_out(team, forces.evaluations, {kOnce}, [level](SampleWork& work, std::size_t patch_class) {
-    run_lattices(work, patch_class, level, kOnce);
+  share_out(team, forces.evaluations, {Mix::once}, [level](SampleWork& work, std::size_t patch_class) {
+    run_lattices(work, patch_class, level, Mix::once);
   });
-  forces.segment = team.wrenches(kOnce);
+  forces.segment = team.wrenches(Mix::once);
 }
 
 // On a level and the next finer one. Patches whose lattices are the same on all levels are felt once.
 void feel_on_two_levels(SampleTeam& team, std::size_t coarser, SampledForces& forces) {
   const auto& has_levels = team.model.patches->rules.has_levels;
-  share_out(team, forces.evaluations, {kOnce, kCoarser, kFiner},
+  share_out(team, forces.evaluations, {Mix::once, Mix::coarser, Mix::finer},
             [&](SampleWork& work, std::size_t patch_class) {
-              if (!has_levels[patch_class]) return run_lattices(work, patch_class, coarser, kOnce);
+              if (!has_levels[patch_class]) return run_lattices(work, patch_class, coarser, Mix::once);
               const std::uint32_t touched = work.memory.touched;
-              run_lattices(work, patch_class, coarser + 1, kFiner);
+              run_lattices(work, patch_class, coarser + 1, Mix::finer);
               work.memory.touched = touched;
-              run_lattices(work, patch_class, coarser, kCoarser);
+              run_lattices(work, patch_class, coarser, Mix::coarser);
             });
-  forces.segment = team.wrenches(kOnce);
-  for (const Part part : {kCoarser, kFiner}) {
-    const SegmentWrenches wrenches = team.wrenches(part);
+  forces.segment = team.wrenches(Mix::once);
+  for (const Mix mix : {Mix::coarser, Mix::finer}) {
+    const SegmentWrenches wrenches = team.wrenches(mix);
     for (std::size_t i = 0; i < kSegmentCount; ++i)
-      add(wrenches[i], forces.level[part == kFiner ? coarser + 1 : coarser], forces.segment[i]);
+      add(wrenches[i], forces.level[mix == Mix::finer ? coarser + 1 : coarser], forces.segment[i]);
   }
 }
 

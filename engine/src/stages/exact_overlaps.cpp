@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "base/set_bits.h"
 #include "borders/tile_rival.h"
 #include "model/corners.h"
 #include "section/palm_polygon.h"
@@ -24,8 +25,8 @@ constexpr double kNeedle = 8;
 // [m] A lead that is more than rounding: where two bodies have a field in common, the first one has it.
 constexpr double kTie = 1e-14;
 
-// The palm's is the last.
-std::size_t body_of(std::size_t segment) { return segment / 3; }
+// The number of a segment's finger, or, the last, the palm's.
+std::size_t finger_or_palm_of(std::size_t segment) { return segment / 3; }
 
 /// A triangle, and the bodies that touch it.
 struct Touched {
@@ -61,16 +62,15 @@ struct Touched {
   /// By how much the deepest of the other bodies that touch it is deeper than a segment's, which has the
   /// field `own` there.
   [[nodiscard]] double lack(std::size_t segment, double own, Point2 p) const {
-    const std::size_t body = body_of(segment);
+    const std::size_t body = finger_or_palm_of(segment);
     double others = -1e300;
-    for (std::uint32_t left = segments & ~(1u << segment); left != 0; left &= left - 1) {
-      const auto other = static_cast<std::size_t>(__builtin_ctz(left));
+    for_numbers(segments & ~(1u << segment), [&](std::size_t other) {
       const double its = field(other, p);
-      if (body_of(other) == body)
+      if (finger_or_palm_of(other) == body)
         own = max(own, its);
       else
         others = max(others, its + (other < segment ? kTie : -kTie));
-    }
+    });
     return others - own;
   }
 };
@@ -219,7 +219,8 @@ class Overlap {
 bool touches_two_bodies(std::uint32_t segments) {
   const auto first = static_cast<std::size_t>(__builtin_ctz(segments));
   for (; segments != 0; segments &= segments - 1) {
-    if (body_of(static_cast<std::size_t>(__builtin_ctz(segments))) != body_of(first)) return true;
+    if (finger_or_palm_of(static_cast<std::size_t>(__builtin_ctz(segments))) != finger_or_palm_of(first))
+      return true;
   }
   return false;
 }

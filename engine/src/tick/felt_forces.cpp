@@ -69,6 +69,10 @@ Vec3 palm_force_by_samples(const Model& model, Scratch& scratch, std::uint32_t& 
 
 }  // namespace
 
+bool is_made_for(const Model& model, const Scratch& scratch) {
+  return scratch.build != 0 && scratch.build == model.build;
+}
+
 std::uint32_t segments_felt_once(const Model& model) {
   switch (model.settings.felt_once) {
     case FeltOnce::never:

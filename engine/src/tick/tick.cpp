@@ -71,10 +71,6 @@ ActuatorFrame feel_no_more(const Model& model, State& state, Scratch& scratch) {
 
 }  // namespace
 
-bool is_made_for(const Model& model, const Scratch& scratch) {
-  return scratch.build != 0 && scratch.build == model.build;
-}
-
 std::string_view stage_name(Stage stage) {
   assert(static_cast<std::size_t>(stage) < kStageCount);
   constexpr std::array<std::string_view, kStageCount> names = {"input",       "hand_pose",     "broadphase",
