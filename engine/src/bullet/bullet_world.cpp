@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/wrench.h"
 #include "bullet/flat_faces.h"
 #include "bullet/hull_shape.h"
 #include "bullet/skin_springs.h"
@@ -191,7 +192,7 @@ std::vector<Touch> push(const Model& model, double dt, std::span<const Touch> to
   for (std::size_t i = 0; i < touches.size(); ++i) {
     soft[i].wrench = touches[i].wrench;
     const Wrench change = change_of(soft[i].spring, speed, dt);
-    wrench = wrench + about(soft[i].spring.arm, change);
+    wrench += about(soft[i].spring.arm, change);
     add_spring(soft[i].spring, 1, stiffness);
   }
   given.body->applyCentralForce(to_bullet(wrench.force, kUnitsPerMetre));

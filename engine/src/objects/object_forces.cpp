@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "base/wrench.h"
 #include "objects/body_motion.h"
 #include "objects/contact_patch.h"
 #include "objects/move_on.h"
@@ -103,7 +104,7 @@ double press(const ObjectTick& tick, const ApartObject& object, const Primitives
   const double kept = max(kLeastKept, 1 + damping_share(wanted));
   // Beyond its bounds it grows no more: what counts is the way from there to an object that goes along.
   const double damper = pad.damping * patch.force / max(1, std::fabs(wanted));
-  pressed = {kept * pressed.force, kept * pressed.torque};
+  pressed = kept * pressed;
   patch.force *= kept;
   return damper;
 }
@@ -215,10 +216,7 @@ void feel_objects(const ObjectTick& tick, State& state, Scratch& scratch, HandFo
       move_on(model, object, state.objects[object.latch], dt, touches, own);
     else if (object.mechanism.mobility == Mobility::given)
       keep_touches(touches, dt, own, scratch.touches->object[i]);
-    for (const Touch& touch : touches) {
-      Wrench& segment = forces.segment[touch.segment];
-      segment = segment + touch.wrench;
-    }
+    for (const Touch& touch : touches) forces.segment[touch.segment] += touch.wrench;
     scratch.object_output[i] = {felt_at, wrench_on_object(touches, felt_at.position), coordinate};
   }
   if (tick.trusted) sum_joint_torques(tick.hand, forces);

@@ -1,5 +1,7 @@
 #include "objects/touches.h"
 
+#include "base/wrench.h"
+
 namespace lumbrical {
 namespace {
 
@@ -62,14 +64,14 @@ bool soften(const Twist& speed, double dt, Quat orientation, Touch& touch) {
 
 Wrench wrench_on_object(std::span<const Touch> touches, Vec3 centre) {
   Wrench sum;
-  for (const Touch& touch : touches) sum = sum + -about(touch.joint - centre, touch.wrench);
+  for (const Touch& touch : touches) sum += -about(touch.joint - centre, touch.wrench);
   return sum;
 }
 
 void slacken_damper(double dt, const ObjectState& state, Touch& touch) {
   Spring& spring = touch.spring;
   const double speed = dot(spring.normal, velocity_at(state, spring.arm) - spring.anchor.velocity);
-  touch.wrench = touch.wrench + about(touch.arm, {(-touch.damper * speed) * spring.normal, {}});
+  touch.wrench += about(touch.arm, {(-touch.damper * speed) * spring.normal, {}});
   spring.along += touch.damper / dt;
 }
 
@@ -87,8 +89,7 @@ bool soften(const Twist& speed, double dt, Quat orientation, std::span<Touch> to
 }
 
 void give_way(const Twist& speed, double dt, std::span<Touch> touches) {
-  for (Touch& touch : touches)
-    touch.wrench = touch.wrench + about(touch.arm, -change_of(touch.spring, speed, dt));
+  for (Touch& touch : touches) touch.wrench += about(touch.arm, -change_of(touch.spring, speed, dt));
 }
 
 }  // namespace lumbrical

@@ -11,13 +11,6 @@
 
 namespace lumbrical {
 
-inline Wrench operator+(const Wrench& a, const Wrench& b) { return {a.force + b.force, a.torque + b.torque}; }
-inline Wrench operator-(const Wrench& a) { return {-a.force, -a.torque}; }
-inline Wrench rotated(Quat q, const Wrench& a) { return {rotate(q, a.force), rotate(q, a.torque)}; }
-
-/// The same about a point that lies `arm` before it.
-inline Wrench about(Vec3 arm, const Wrench& a) { return {a.force, a.torque + cross(arm, a.force)}; }
-
 /// How much of a patch's skin sticks in a step, 0 to 1: what it has at the speed that a step taken with it
 /// ends with. Below 0: not known yet.
 struct Share {

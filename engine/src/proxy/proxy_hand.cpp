@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/wrench.h"
 #include "proxy/hand_pull.h"
 #include "stages/broadphase.h"
 #include "stages/hand_pose.h"
@@ -342,11 +343,7 @@ std::uint32_t follow_hand(const Model& model, bool trusted, State& state, Scratc
 void add_pushes(const PushList& pushing, Primitives& hand, HandForces& forces) {
   if (pushing.empty()) return;
   place_axes(hand);
-  for (std::size_t i = 0; i < kSegmentCount; ++i) {
-    const Wrench push = push_on(pushing, 0, hand, i).wrench;
-    forces.segment[i].force += push.force;
-    forces.segment[i].torque += push.torque;
-  }
+  for (std::size_t i = 0; i < kSegmentCount; ++i) forces.segment[i] += push_on(pushing, 0, hand, i).wrench;
   sum_joint_torques(hand, forces);
 }
 
@@ -368,8 +365,7 @@ CorePush push_on(const PushList& pushing, std::uint8_t object, const Primitives&
   for (const Gap& gap : pushing) {
     if (gap.object != object || gap.segment != segment) continue;
     const Vec3 force = gap.push * gap.normal;
-    sum.wrench.force += force;
-    sum.wrench.torque += cross(gap.point - hand.base_joint[segment], force);
+    sum.wrench += {force, cross(gap.point - hand.base_joint[segment], force)};
     sum.stiffness += gap.stiffness;
   }
   return sum;

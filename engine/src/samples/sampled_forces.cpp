@@ -4,6 +4,7 @@
 
 #include "base/at_least.h"
 #include "base/parallel.h"
+#include "base/wrench.h"
 #include "model/primitive.h"
 #include "samples/effort.h"
 
@@ -55,11 +56,6 @@ Wrench wrench_of(const Bodies& bodies, const SumOfLanes& sums, std::size_t numbe
   const Vec3 origin =
       bodies.finger[body_of(number)].origin + Vec3{tile.origin[0], tile.origin[1], tile.origin[2]};
   return wrench_of(sums, tile.axis, origin, joint);
-}
-
-void add(const Wrench& more, double weight, Wrench& to) {
-  to.force += weight * more.force;
-  to.torque += weight * more.torque;
 }
 
 using SegmentWrenches = std::array<Wrench, kSegmentCount>;
@@ -146,7 +142,7 @@ void feel_on_two_levels(SampleTeam& team, std::size_t coarser, SampledForces& fo
   for (const Mix mix : {Mix::coarser, Mix::finer}) {
     const SegmentWrenches wrenches = team.wrenches(mix);
     for (std::size_t i = 0; i < kSegmentCount; ++i)
-      add(wrenches[i], forces.level[mix == Mix::finer ? coarser + 1 : coarser], forces.segment[i]);
+      forces.segment[i] += forces.level[mix == Mix::finer ? coarser + 1 : coarser] * wrenches[i];
   }
 }
 
@@ -218,8 +214,8 @@ bool feel_apart(SampleTeam& team, std::size_t coarser, const Effort& effort, dou
   forces.evaluations += finer.evaluations;
   for (std::size_t i = 0; i < kSegmentCount; ++i) {
     Wrench mixed;
-    add(forces.segment[i], forces.level[coarser], mixed);
-    add(finer.segment[i], forces.level[coarser + 1], mixed);
+    mixed += forces.level[coarser] * forces.segment[i];
+    mixed += forces.level[coarser + 1] * finer.segment[i];
     forces.segment[i] = mixed;
   }
   return true;

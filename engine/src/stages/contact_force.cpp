@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "base/wrench.h"
 #include "stages/joint_torques.h"
 
 namespace lumbrical {
@@ -9,15 +10,11 @@ namespace lumbrical {
 HandForces sum_forces(const Settings& settings, const Primitives& hand, std::span<const Contact> contacts,
                       const std::array<Wrench, kSegmentCount>& sampled) {
   HandForces forces;
-  for (std::size_t i = 0; i < kSegmentCount; ++i) {
-    forces.segment[i].force = settings.stiffness * sampled[i].force;
-    forces.segment[i].torque = settings.stiffness * sampled[i].torque;
-  }
+  for (std::size_t i = 0; i < kSegmentCount; ++i) forces.segment[i] = settings.stiffness * sampled[i];
   for (const Contact& contact : contacts) {
     const std::size_t segment = hand.primitive[contact.primitive].segment;
     const Vec3 force = (settings.stiffness * contact.volume) * contact.normal;
-    forces.segment[segment].force += force;
-    forces.segment[segment].torque += cross(contact.centre - hand.base_joint[segment], force);
+    forces.segment[segment] += {force, cross(contact.centre - hand.base_joint[segment], force)};
   }
   sum_joint_torques(hand, forces);
   return forces;

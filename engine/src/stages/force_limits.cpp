@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "base/wrench.h"
 #include "stages/joint_torques.h"
 
 namespace lumbrical {
@@ -13,8 +14,7 @@ bool saturate_segments(double max_force, const Primitives& hand, HandForces& for
     const double force = norm(wrench.force);
     if (force <= kUnlimitedShare * max_force) continue;
     const double share = saturated(force, max_force) / force;
-    wrench.force = share * wrench.force;
-    wrench.torque = share * wrench.torque;
+    wrench = share * wrench;
     limited = true;
   }
   if (limited) sum_joint_torques(hand, forces);
@@ -34,8 +34,7 @@ bool all_finite(const HandForces& forces) {
 HandForces mix(double a, const HandForces& x, double b, const HandForces& y) {
   HandForces sum;
   for (std::size_t i = 0; i < kSegmentCount; ++i) {
-    sum.segment[i].force = a * x.segment[i].force + b * y.segment[i].force;
-    sum.segment[i].torque = a * x.segment[i].torque + b * y.segment[i].torque;
+    sum.segment[i] = a * x.segment[i] + b * y.segment[i];
     sum.joint_torque[i] = a * x.joint_torque[i] + b * y.joint_torque[i];
     sum.flexion_torque[i] = a * x.flexion_torque[i] + b * y.flexion_torque[i];
   }

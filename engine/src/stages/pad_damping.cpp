@@ -1,5 +1,6 @@
 #include "stages/pad_damping.h"
 
+#include "base/wrench.h"
 #include "stages/joint_torques.h"
 
 namespace lumbrical {
@@ -39,7 +40,7 @@ void damp_pads(const Pad& pad, const std::array<Twist, kSegmentCount>& speed, co
   for (std::size_t i = 0; i < kSegmentCount; ++i) {
     Wrench& wrench = forces.segment[i];
     const double kept = 1 + damping_share(damping_wanted(pad.damping, hand, i, wrench, speed[i]));
-    wrench = {kept * wrench.force, kept * wrench.torque};
+    wrench = kept * wrench;
   }
   sum_joint_torques(hand, forces);
 }

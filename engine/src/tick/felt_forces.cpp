@@ -1,6 +1,7 @@
 // One model after the other is felt like this: the world, then each object apart from it.
 #include "tick/felt_forces.h"
 
+#include "base/wrench.h"
 #include "samples/sampled_forces.h"
 #include "stages/broadphase.h"
 #include "stages/contact_force.h"
@@ -39,8 +40,7 @@ HandForces sum_up(const Model& model, Scratch& scratch) {
 
 void add(const HandForces& more, HandForces& forces) {
   for (std::size_t i = 0; i < kSegmentCount; ++i) {
-    forces.segment[i].force += more.segment[i].force;
-    forces.segment[i].torque += more.segment[i].torque;
+    forces.segment[i] += more.segment[i];
     forces.joint_torque[i] += more.joint_torque[i];
     forces.flexion_torque[i] += more.flexion_torque[i];
   }
