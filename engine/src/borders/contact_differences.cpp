@@ -2,6 +2,8 @@
 // from the hand.
 #include "borders/contact_differences.h"
 
+#include "base/vector6.h"
+#include "base/wrench.h"
 #include "borders/general_contact.h"
 
 namespace lumbrical {
@@ -44,20 +46,16 @@ bool add_contact_differences(const FieldKernels& kernels, const Primitives& hand
     const bool shifts = column < 3;
     const double step = shifts ? kStep * radius : kStep;
     const auto moved = [&](double by) {
-      const Vec3 axis = column % 3 == 0 ? Vec3{by, 0, 0} : column % 3 == 1 ? Vec3{0, by, 0} : Vec3{0, 0, by};
+      const Vec3 axis = along_axis(column % 3, by);
       return contact_of_moved(kernels, hand, contact, joint, at, shifts ? axis : Vec3{},
                               shifts ? Vec3{} : axis);
     };
     const MovedContact ahead = moved(step), behind = moved(-step);
     if (max(ahead.error, behind.error) > most_error) return false;
-    const Vec3 force = (0.5 / step) * (ahead.wrench.force - behind.wrench.force);
-    const Vec3 torque = (0.5 / step) * (ahead.wrench.torque - behind.wrench.torque);
-    const double rows[6] = {force.x, force.y, force.z, torque.x, torque.y, torque.z};
-    for (std::size_t row = 0; row < 6; ++row) value[row][column] = rows[row];
+    const Vector6 change = vector_of((0.5 / step) * (ahead.wrench - behind.wrench));
+    for (std::size_t row = 0; row < 6; ++row) value[row][column] = change[row];
   }
-  for (std::size_t row = 0; row < 6; ++row) {
-    for (std::size_t column = 0; column < 6; ++column) sum[row][column] += value[row][column];
-  }
+  add_matrix(value, sum);
   return true;
 }
 

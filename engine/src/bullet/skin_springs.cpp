@@ -78,8 +78,7 @@ MainWays main_ways(const btRigidBody& body) {
 Matrix6 per_mass(const Matrix6& stiffness, const MainWays& ways) {
   Matrix6 result;
   for (std::size_t i = 0; i < 6; ++i) {
-    Vector6 force;
-    for (std::size_t m = 0; m < 6; ++m) force[m] = dot6(stiffness[m], ways.way[i]);
+    const Vector6 force = times(stiffness, ways.way[i]);
     for (std::size_t j = 0; j < 6; ++j)
       result[j][i] = dot6(ways.way[j], force) / (ways.root[i] * ways.root[j]);
   }

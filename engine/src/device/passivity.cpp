@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "base/small_turn.h"
+#include "base/vector6.h"
 #include "lumbrical/math.h"
 
 namespace lumbrical {
@@ -35,12 +36,7 @@ struct Turned {
 Turned turn_segment(const JointAxis& joint, Vec3 base, const SegmentJacobian& jacobian) {
   const Vec3 turn = -joint.axis;  // one radian of closing
   const Vec3 move = cross(turn, base - joint.at);
-  const std::array<double, 6> twist = {move.x, move.y, move.z, turn.x, turn.y, turn.z};
-  std::array<double, 6> change{};
-  for (std::size_t row = 0; row < 6; ++row) {
-    for (std::size_t column = 0; column < 6; ++column)
-      change[row] += jacobian.value[row][column] * twist[column];
-  }
+  const Vector6 change = times(jacobian.value, vector_of(move, turn));
   return {{change[0], change[1], change[2]}, {change[3], change[4], change[5]}, move};
 }
 

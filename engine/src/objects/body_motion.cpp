@@ -6,28 +6,13 @@
 
 #include "base/elementary.h"
 #include "base/vector6.h"
+#include "base/wrench.h"
 
 namespace lumbrical {
 namespace {
 
 constexpr double kPi = 3.141592653589793;
 constexpr std::array<Vec3, 3> kAxis = {Vec3{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
-
-Vector6 vector_of(Vec3 a, Vec3 b) { return {a.x, a.y, a.z, b.x, b.y, b.z}; }
-Vector6 vector_of(const Twist& twist) { return vector_of(twist.velocity, twist.angular_velocity); }
-
-Vector6 times(const Matrix6& matrix, const Vector6& v) {
-  Vector6 result;
-  for (std::size_t i = 0; i < 6; ++i) result[i] = dot6(matrix[i], v);
-  return result;
-}
-void add_scaled(double scale, const Vector6& v, Vector6& to) {
-  for (std::size_t i = 0; i < 6; ++i) to[i] += scale * v[i];
-}
-// to += scale row row^T
-void add_square(double scale, const Vector6& row, Matrix6& to) {
-  for (std::size_t i = 0; i < 6; ++i) add_scaled(scale * row[i], row, to[i]);
-}
 
 // The speed of a body's point along a direction, as a row.
 Vector6 along(Vec3 direction, Vec3 arm) { return vector_of(direction, cross(arm, direction)); }
@@ -195,10 +180,9 @@ void add_gyroscopic_torque(const Mechanism& mechanism, const Pose& pose, Vec3 sp
 Equation equation_of(const Mechanism& mechanism, const Pose& pose, std::span<const Spring> springs,
                      const Wrench& wrench, const Twist& speed, double dt) {
   Equation e;
-  e.impulse = vector_of(dt * wrench.force, dt * wrench.torque);
+  e.impulse = vector_of(dt * wrench);
   for (const Spring& spring : springs) {
-    const Wrench change = change_of(spring, speed, dt);
-    add_scaled(dt, vector_of(change.force, change.torque + cross(spring.arm, change.force)), e.impulse);
+    add_scaled(dt, vector_of(about(spring.arm, change_of(spring, speed, dt))), e.impulse);
     add_spring(spring, dt * dt, e.matrix);
   }
   if (mechanism.mobility == Mobility::free || mechanism.mobility == Mobility::ball) {

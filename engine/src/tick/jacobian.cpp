@@ -3,6 +3,8 @@
 #include <cassert>
 
 #include "base/floating_point.h"
+#include "base/vector6.h"
+#include "base/wrench.h"
 #include "borders/border_cut.h"
 #include "borders/contact_differences.h"
 #include "model/corners.h"
@@ -59,19 +61,6 @@ void move_segments(std::size_t first, std::size_t last, Vec3 pivot, Vec3 shift, 
   }
 }
 
-void add(const Matrix6& more, Matrix6& value) {
-  for (std::size_t row = 0; row < 6; ++row) {
-    for (std::size_t column = 0; column < 6; ++column) value[row][column] += more[row][column];
-  }
-}
-
-// Adds a column: the change of a wrench per unit of one translation or rotation.
-void add_column(const Wrench& change, std::size_t column, Matrix6& value) {
-  const double rows[6] = {change.force.x,  change.force.y,  change.force.z,
-                          change.torque.x, change.torque.y, change.torque.z};
-  for (std::size_t row = 0; row < 6; ++row) value[row][column] += rows[row];
-}
-
 // Where joints that are not tracked are no one knows, and far from the finger turns would be long ways.
 std::size_t first_placed(const Primitives& hand, std::size_t first, std::size_t last) {
   while (first < last && !hand.present[first]) ++first;
@@ -87,24 +76,21 @@ void add_sampled_body(const Model& model, const Primitives& hand, std::size_t fi
   const LevelWeights* const levels = memory.forces.contact_count > 0 ? &memory.forces.level : nullptr;
   std::array<Matrix6, kSegmentCount> about_pivot{};
   for (std::size_t column = 0; column < 6; ++column) {
-    const auto axis = [&](double size) {
-      return column % 3 == 0 ? Vec3{size, 0, 0} : column % 3 == 1 ? Vec3{0, size, 0} : Vec3{0, 0, size};
-    };
-    const double step = column < 3 ? kStep : kTurn;
+    const bool shifts = column < 3;
+    const double step = shifts ? kStep : kTurn;
     SampledForces ahead, behind;
     for (const double side : {1.0, -1.0}) {
       Primitives moved = hand;
-      move_segments(first, last, pivot, axis(column < 3 ? side * step : 0),
-                    axis(column < 3 ? 0 : side * step), hand, moved);
+      const Vec3 by = along_axis(column % 3, side * step);
+      move_segments(first, last, pivot, shifts ? by : Vec3{}, shifts ? Vec3{} : by, hand, moved);
       if (!sample_forces(model, moved, segments, memory, side > 0 ? ahead : behind, levels)) {
         for (std::size_t i = first; i <= last; ++i) jacobians[i].known = false;
         return;
       }
     }
     for (std::size_t i = first; i <= last; ++i) {
-      const Vec3 force = (0.5 / step) * (ahead.segment[i].force - behind.segment[i].force);
-      const Vec3 torque = (0.5 / step) * (ahead.segment[i].torque - behind.segment[i].torque);
-      add_column({force, torque}, column, about_pivot[i]);
+      const Vector6 change = vector_of((0.5 / step) * (ahead.segment[i] - behind.segment[i]));
+      for (std::size_t row = 0; row < 6; ++row) about_pivot[i][row][column] += change[row];
     }
   }
   for (std::size_t i = first; i <= last; ++i) {
@@ -140,7 +126,7 @@ void add_sampled(const Model& model, const Primitives& hand, std::uint32_t segme
 
 void add(const SegmentJacobian& more, SegmentJacobian& jacobian) {
   jacobian.known = jacobian.known && more.known;
-  add(more.value, jacobian.value);
+  add_matrix(more.value, jacobian.value);
 }
 
 // What a pad's layer feels besides.
@@ -161,11 +147,7 @@ void add_pushes(const PushList& pushing, const Primitives& hand, std::uint32_t s
   for (const Gap& gap : pushing) {
     if ((segments >> gap.segment & 1u) == 0 || !jacobians[gap.segment].known) continue;
     const Vec3 turn = cross(gap.point - hand.base_joint[gap.segment], gap.normal);
-    const double row[6] = {gap.normal.x, gap.normal.y, gap.normal.z, turn.x, turn.y, turn.z};
-    for (std::size_t i = 0; i < 6; ++i) {
-      for (std::size_t j = 0; j < 6; ++j)
-        jacobians[gap.segment].value[i][j] -= gap.stiffness * row[i] * row[j];
-    }
+    add_square(-gap.stiffness, vector_of(gap.normal, turn), jacobians[gap.segment].value);
   }
 }
 
