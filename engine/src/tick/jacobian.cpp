@@ -33,6 +33,26 @@ bool add_plain_triangle(const FieldKernels& kernels, const Primitives& hand, con
          add_contact_jacobian(tile_cut_so(primitive, cut.cut), contact, joint, at, value, bulge);
 }
 
+// Of the contacts of some segments.
+void add_exact(const Model& model, const Scratch& scratch, std::uint32_t segments,
+               std::array<SegmentJacobian, kSegmentCount>& jacobians) {
+  const Primitives& hand = *scratch.primitives;
+  const FieldKernels& kernels = field_kernels(model.execution.isa);
+  for (std::size_t i = 0; i < scratch.contact_count; ++i) {
+    const Contact& contact = scratch.contacts[i];
+    const Primitive& primitive = hand.primitive[contact.primitive];
+    SegmentJacobian& jacobian = jacobians[primitive.segment];
+    if ((segments >> primitive.segment & 1u) == 0 || !jacobian.known) continue;
+    // What rounding has left beyond a cut, or of a triangle without area.
+    const double radius = max(primitive.radius1, primitive.radius2);
+    if (contact.area < 1e-12 * radius * radius) continue;
+    const Vec3 joint = hand.base_joint[primitive.segment];
+    const Corners at = corners_of(model.triangles, contact.triangle);
+    jacobian.known = add_plain_triangle(kernels, hand, contact, joint, at, jacobian.value) ||
+                     add_contact_differences(kernels, hand, contact, joint, at, jacobian.value);
+  }
+}
+
 // ---- Segments that are felt by samples: differences of the very sum ----
 
 // So far a body is moved to either side [m], [rad]: single precision then shows in the fourth digit, and so
@@ -129,6 +149,14 @@ void add(const SegmentJacobian& more, SegmentJacobian& jacobian) {
   add_matrix(more.value, jacobian.value);
 }
 
+// From the integral of phi to forces; what is not known is 0.
+void scale(double stiffness, SegmentJacobian& jacobian) {
+  if (!jacobian.known) jacobian.value = {};
+  for (auto& row : jacobian.value) {
+    for (double& entry : row) entry *= stiffness;
+  }
+}
+
 // What a pad's layer feels besides.
 void add_layer(const Model& layer, Scratch& scratch, std::uint32_t segments,
                std::array<SegmentJacobian, kSegmentCount>& jacobians) {
@@ -167,22 +195,7 @@ void segment_jacobians(const Model& model, Scratch& scratch,
   }
   if (!own) return;
   const Primitives& hand = *scratch.primitives;
-  const FieldKernels& kernels = field_kernels(model.execution.isa);
-  const Triangles& world = model.triangles;
-  for (std::size_t i = 0; i < scratch.contact_count; ++i) {
-    const Contact& contact = scratch.contacts[i];
-    const Primitive& primitive = hand.primitive[contact.primitive];
-    SegmentJacobian& jacobian = jacobians[primitive.segment];
-    if (!asked(primitive.segment) || !jacobian.known) continue;
-    if ((by_samples >> primitive.segment & 1u) != 0) continue;
-    // What rounding has left beyond a cut, or of a triangle without area.
-    const double radius = max(primitive.radius1, primitive.radius2);
-    if (contact.area < 1e-12 * radius * radius) continue;
-    const Vec3 joint = hand.base_joint[primitive.segment];
-    const Corners at = corners_of(world, contact.triangle);
-    jacobian.known = add_plain_triangle(kernels, hand, contact, joint, at, jacobian.value) ||
-                     add_contact_differences(kernels, hand, contact, joint, at, jacobian.value);
-  }
+  add_exact(model, scratch, segments & ~by_samples, jacobians);
   if ((segments & by_samples) != 0) {
     std::array<SegmentJacobian, kSegmentCount> sampled;
     sampled.fill({{}, true});
@@ -192,11 +205,7 @@ void segment_jacobians(const Model& model, Scratch& scratch,
     }
   }
   for (std::size_t i = 0; i < kSegmentCount; ++i) {
-    if (!asked(i)) continue;
-    if (!jacobians[i].known) jacobians[i].value = {};
-    for (auto& row : jacobians[i].value) {
-      for (double& entry : row) entry *= model.settings.stiffness;
-    }
+    if (asked(i)) scale(model.settings.stiffness, jacobians[i]);
   }
   for (std::size_t i = 0; i < model.layers.size(); ++i)
     add_layer(*model.layers[i], scratch.layers[i], segments, jacobians);
