@@ -81,6 +81,21 @@ struct Reached {
   const PushList* pushing = nullptr;
 };
 
+/// How an object is felt, and what of it.
+struct Pressing {
+  const ObjectTick& tick;
+  const Reached& reached;
+  double dt;
+  Scratch& felt;
+  ObjectState& state;        ///< of the object
+  HandForces field, forces;  ///< O, of the object by itself, and with its pads' layers
+  SurfaceSums sums;
+
+  [[nodiscard]] const ApartObject& object() const { return reached.object; }
+  [[nodiscard]] const Model& shape() const { return *reached.object.shape; }
+  [[nodiscard]] const Primitives& hand() const { return *felt.primitives; }  ///< O
+};
+
 // How fast a segment moves relative to an object, both in W.
 Twist relative_speed(const ObjectTick& tick, std::size_t segment, const ApartObject& object,
                      const ObjectState& state) {
@@ -89,17 +104,17 @@ Twist relative_speed(const ObjectTick& tick, std::size_t segment, const ApartObj
   return {velocity - velocity_at(state, arm), angular_velocity - state.angular_velocity};
 }
 
-// What pads make of the field's patch: layers are in `pressed` [O] already, damping is added; `own` is the
-// hand in O. Returns the damper [N s/m] they then are along the patch's normal.
-double press(const ObjectTick& tick, const ApartObject& object, const Primitives& own, std::size_t segment,
-             const ObjectState& state, Wrench& pressed, ContactPatch& patch) {
-  const Pad& pad = object.shape->settings.pad;
-  if (object.shape->layers.empty() && !(pad.damping > 0)) return 0;
+// What pads make of the field's patch: layers are in `pressed` [O] already, damping is added. Returns the
+// damper [N s/m] they then are along the patch's normal.
+double press(const Pressing& pressing, std::size_t segment, Wrench& pressed, ContactPatch& patch) {
+  const Model& shape = pressing.shape();
+  const Pad& pad = shape.settings.pad;
+  if (shape.layers.empty() && !(pad.damping > 0)) return 0;
   patch.force = patch.force > 0 ? norm(pressed.force) : 0;
   if (!(pad.damping > 0)) return 0;
-  const auto [velocity, turn] = relative_speed(tick, segment, object, state);
-  const Quat to_object = conjugate(state.pose.orientation);
-  const double wanted = damping_wanted(pad.damping, own, segment, pressed,
+  const auto [velocity, turn] = relative_speed(pressing.tick, segment, pressing.object(), pressing.state);
+  const Quat to_object = conjugate(pressing.state.pose.orientation);
+  const double wanted = damping_wanted(pad.damping, pressing.hand(), segment, pressed,
                                        {rotate(to_object, velocity), rotate(to_object, turn)});
   const double kept = max(kLeastKept, 1 + damping_share(wanted));
   // Beyond its bounds it grows no more: what counts is the way from there to an object that goes along.
@@ -109,64 +124,88 @@ double press(const ObjectTick& tick, const ApartObject& object, const Primitives
   return damper;
 }
 
-void touch_object(const ObjectTick& tick, const Reached& reached, double dt, Scratch& felt,
-                  ObjectState& state, Touches& touches, Findings& findings, std::uint32_t& flags) {
-  const auto& [object, number, pushing] = reached;
-  const Model& shape = *object.shape;
-  const Primitives& hand = tick.hand;
-  const Pad& pad = shape.settings.pad;
-  Primitives& own = *felt.primitives;
-  place_hand(shape.hand, shape.settings, hand.joints, inverse(state.pose), own);
-  const HandForces field = feel(shape, felt, findings.evaluations, flags);
-  HandForces forces = field;
-  add_layers(shape, felt, findings.evaluations, flags, forces);
-  findings += findings_of(shape, felt);
-  SurfaceSums sums;
-  if (object.felt) sums = sum_surface(*object.felt, shape, felt, flags);
-  for (std::size_t i = 0; i < kSegmentCount; ++i) {
-    const CorePush push = pushing != nullptr ? push_on(*pushing, number, hand, i) : CorePush{};
-    const Wrench pushed = rotated(conjugate(state.pose.orientation), push.wrench);
-    Wrench pressed = forces.segment[i] + pushed;
-    ContactPatch patch = contact_patch(own, i, field.segment[i] + pushed, shape.settings.stiffness, pad);
-    const bool is_asked = i == kPalmSegment && moves_by_itself(object.mechanism) && patch.force > 0 &&
-                          asks_for_palm_stiffness(shape, object.mechanism, own, dt);
-    if (is_asked) patch.stiffness = 0;  // below
-    const double guess = i == kPalmSegment ? patch.stiffness : 0;
-    patch.stiffness += push.stiffness;
-    const double damper = press(tick, object, own, i, state, pressed, patch);
-    GripState& grip = state.grip[i];
-    if (!(patch.force > 0)) {
-      let_go(grip);
-      // Faces that push opposite ways leave a torque.
-      if (norm(pressed.torque) > 0)
-        touches.push_back({i, hand.base_joint[i], rotated(state.pose.orientation, pressed), {}, {}, {}});
-      continue;
-    }
-    Material material = object.material;
-    if (object.felt) {
-      const SurfacePart part{sums.turn[i], sums.rub[i], field.segment[i].force};
-      material = material_at(*object.felt, part, patch, material);
-      turn_force(*object.felt, part, own.base_joint[i], patch, pressed);
-    }
-    Friction friction;
-    if (rubs(object.material)) friction = rub(material, patch, base_pose(own, i), dt, grip);
-    const Quat orientation = state.pose.orientation;
-    const Vec3 arm = patch.centre - own.base_joint[i], arm_in_world = rotate(orientation, arm);
-    Touch& touch = touches.push_back(
-        {i, hand.base_joint[i], rotated(orientation, pressed + about(arm, {friction.force, friction.torque})),
-         arm_in_world, spring_of(object, patch, skin_speed(tick.speeds, i, arm_in_world), orientation),
-         friction});
-    touch.across = touch.spring.across;
-    touch.about = touch.spring.about;
-    touch.damper = damper;
-    touch.guess = guess;
-    if (moves_by_itself(object.mechanism)) slacken_damper(dt, state, touch);
-    // The palm's is the last segment to be felt: this moves the hand in `felt`.
-    if (is_asked)
-      add_palm(palm_stiffness(shape, field.segment[i].force, forces.segment[i].force, patch.normal, felt,
-                              findings.evaluations),
-               touch);
+// What a segment feels that is pressed so [O] at a patch.
+Touch make_touch(const Pressing& pressing, std::size_t i, const Wrench& pressed, const ContactPatch& patch,
+                 const Friction& friction) {
+  const ObjectTick& tick = pressing.tick;
+  const Quat orientation = pressing.state.pose.orientation;
+  const Vec3 arm = patch.centre - pressing.hand().base_joint[i], arm_in_world = rotate(orientation, arm);
+  Touch touch{i,
+              tick.hand.base_joint[i],
+              rotated(orientation, pressed + about(arm, {friction.force, friction.torque})),
+              arm_in_world,
+              spring_of(pressing.object(), patch, skin_speed(tick.speeds, i, arm_in_world), orientation),
+              friction};
+  touch.across = touch.spring.across;
+  touch.about = touch.spring.about;
+  return touch;
+}
+
+// Is the palm moved and felt again, to know how stiff its touch is?
+bool asks_palm(const Pressing& pressing, std::size_t segment, const ContactPatch& patch) {
+  const Mechanism& mechanism = pressing.object().mechanism;
+  return segment == kPalmSegment && moves_by_itself(mechanism) && patch.force > 0 &&
+         asks_for_palm_stiffness(pressing.shape(), mechanism, pressing.hand(), pressing.dt);
+}
+
+// The palm's is the last segment to be felt: this moves the hand in `felt`.
+void ask_palm(const Pressing& pressing, Vec3 normal, Findings& findings, Touch& touch) {
+  add_palm(palm_stiffness(pressing.shape(), pressing.field.segment[kPalmSegment].force,
+                          pressing.forces.segment[kPalmSegment].force, normal, pressing.felt,
+                          findings.evaluations),
+           touch);
+}
+
+void press_segment(const Pressing& pressing, std::size_t i, Touches& touches, Findings& findings) {
+  const auto& [object, number, pushing] = pressing.reached;
+  const Model& shape = pressing.shape();
+  const Primitives &hand = pressing.tick.hand, &own = pressing.hand();
+  ObjectState& state = pressing.state;
+  const CorePush push = pushing != nullptr ? push_on(*pushing, number, hand, i) : CorePush{};
+  const Wrench pushed = rotated(conjugate(state.pose.orientation), push.wrench);
+  Wrench pressed = pressing.forces.segment[i] + pushed;
+  ContactPatch patch =
+      contact_patch(own, i, pressing.field.segment[i] + pushed, shape.settings.stiffness, shape.settings.pad);
+  const bool is_asked = asks_palm(pressing, i, patch);
+  if (is_asked) patch.stiffness = 0;  // below
+  const double guess = i == kPalmSegment ? patch.stiffness : 0;
+  patch.stiffness += push.stiffness;
+  const double damper = press(pressing, i, pressed, patch);
+  GripState& grip = state.grip[i];
+  if (!(patch.force > 0)) {
+    let_go(grip);
+    // Faces that push opposite ways leave a torque.
+    if (norm(pressed.torque) > 0)
+      touches.push_back({i, hand.base_joint[i], rotated(state.pose.orientation, pressed), {}, {}, {}});
+    return;
   }
+  Material material = object.material;
+  if (object.felt) {
+    const SurfacePart part{pressing.sums.turn[i], pressing.sums.rub[i], pressing.field.segment[i].force};
+    material = material_at(*object.felt, part, patch, material);
+    turn_force(*object.felt, part, own.base_joint[i], patch, pressed);
+  }
+  Friction friction;
+  if (rubs(object.material)) friction = rub(material, patch, base_pose(own, i), pressing.dt, grip);
+  Touch& touch = touches.push_back(make_touch(pressing, i, pressed, patch, friction));
+  touch.damper = damper;
+  touch.guess = guess;
+  if (moves_by_itself(object.mechanism)) slacken_damper(pressing.dt, state, touch);
+  if (is_asked) ask_palm(pressing, patch.normal, findings, touch);
+}
+
+// Fills in what of the object is felt, too.
+void touch_object(Pressing& pressing, Touches& touches, Findings& findings, std::uint32_t& flags) {
+  const Model& shape = pressing.shape();
+  Scratch& felt = pressing.felt;
+  place_hand(shape.hand, shape.settings, pressing.tick.hand.joints, inverse(pressing.state.pose),
+             *felt.primitives);
+  pressing.field = feel(shape, felt, findings.evaluations, flags);
+  pressing.forces = pressing.field;
+  add_layers(shape, felt, findings.evaluations, flags, pressing.forces);
+  findings += findings_of(shape, felt);
+  if (pressing.object().felt) pressing.sums = sum_surface(*pressing.object().felt, shape, felt, flags);
+  for (std::size_t i = 0; i < kSegmentCount; ++i) press_segment(pressing, i, touches, findings);
 }
 
 void forget_touches(bool trusted, HandTouches& touches) {
@@ -207,7 +246,8 @@ void feel_objects(const ObjectTick& tick, State& state, Scratch& scratch, HandFo
     if (tick.trusted && may_reach(object, own.pose, model.hand, tick.hand)) {
       const Reached reached{object, static_cast<std::uint8_t>(i + 1),
                             scratch.proxy ? &scratch.proxy->pushing : nullptr};
-      touch_object(tick, reached, dt, *scratch.apart, own, touches, findings, flags);
+      Pressing pressing{tick, reached, dt, *scratch.apart, own, {}, {}, {}};
+      touch_object(pressing, touches, findings, flags);
     } else {
       for (GripState& grip : own.grip) let_go(grip);
     }
