@@ -91,43 +91,44 @@ Vec3 paper_axis(const Primitives& hand, std::size_t i) {
   return is_none() ? Vec3{1, 0, 0} : axis;
 }
 
+bool has_before(const Primitives& hand, std::size_t i) { return i % 3 > 0 && hand.present[i - 1]; }
+bool has_after(const Primitives& hand, std::size_t i) { return i % 3 < 2 && hand.present[i + 1]; }
+
 // The body of a phalanx: tile or cylinder, cut at its neighbours.
-void add_body(const Primitives& hand, std::size_t i, Primitives& out) {
+void add_body(std::size_t i, Primitives& hand) {
   Primitive body = hand.capsule[i];
   const Vec3 axis = paper_axis(hand, i);
-  const bool before = i % 3 > 0 && hand.present[i - 1], after = i % 3 < 2 && hand.present[i + 1];
-  if (before && !paper_joint(hand, i - 1)) {
+  if (has_before(hand, i) && !paper_joint(hand, i - 1)) {
     add_cut(-bisector(hand, i - 1), body.end1, body, hand.border[i - 1].slab);
   } else if (is_paper(hand, i)) {
     add_cut(-axis, body.end1, body);
   }
-  if (after && !paper_joint(hand, i)) {
+  if (has_after(hand, i) && !paper_joint(hand, i)) {
     add_cut(bisector(hand, i), body.end2, body, hand.border[i].slab);
   } else if (is_paper(hand, i)) {
     add_cut(axis, body.end2, body);
   }
   if (is_paper(hand, i)) body.phalanx = {static_cast<std::int8_t>(i), -1};
-  add(body, out);
+  add(body, hand);
 }
 
 // The part of a joint's or tip's sphere that no cylinder covers.
-void add_sphere(const Primitives& hand, std::size_t i, bool at_tip, Primitives& out) {
+void add_sphere(std::size_t i, bool at_tip, Primitives& hand) {
   Primitive sphere = hand.capsule[i];
   const Vec3 axis = paper_axis(hand, i);
-  const bool joined = !at_tip && i % 3 > 0 && hand.present[i - 1];
+  const bool joined = !at_tip && has_before(hand, i);
   sphere.end1 = sphere.end2 = at_tip ? sphere.end2 : sphere.end1;
   sphere.radius1 = sphere.radius2 = at_tip ? sphere.radius2 : sphere.radius1;
   add_cut(at_tip ? -axis : axis, sphere.end1, sphere);
   if (joined) add_cut(-paper_axis(hand, i - 1), sphere.end1, sphere);
   sphere.phalanx = {static_cast<std::int8_t>(i), static_cast<std::int8_t>(joined ? i - 1 : -1)};
-  add(sphere, out);
+  add(sphere, hand);
 }
 
 void add_phalanx(std::size_t i, Primitives& hand) {
-  const bool before = i % 3 > 0 && hand.present[i - 1], after = i % 3 < 2 && hand.present[i + 1];
-  if (is_paper(hand, i) && (!before || paper_joint(hand, i - 1))) add_sphere(hand, i, false, hand);
-  add_body(hand, i, hand);
-  if (is_paper(hand, i) && !after) add_sphere(hand, i, true, hand);
+  if (is_paper(hand, i) && (!has_before(hand, i) || paper_joint(hand, i - 1))) add_sphere(i, false, hand);
+  add_body(i, hand);
+  if (is_paper(hand, i) && !has_after(hand, i)) add_sphere(i, true, hand);
 }
 
 std::uint32_t place_parts(const Hand& hand, const Settings& settings, Primitives& primitives) {
