@@ -170,7 +170,7 @@ typedef struct lumbrical_object {
   size_t triangle_count;
   lumbrical_pose pose;     /* of the mesh in W, at the start */
   double static_friction;  /* 0 .. 10, between skin and it: 0 */
-  double kinetic_friction; /* 0 .. static_friction, and not by itself that: 0, so what slides is slippery */
+  double kinetic_friction; /* 0 .. static_friction, or -1: that. -1 */
   double viscosity;        /* [s/m] 0 .. 100: 0 */
   double shear_stiffness;  /* [N/m] 1 .. 1e6: 1000 */
   /* ---- of what moves by itself, and where one likes of GIVEN; the mesh must be closed */

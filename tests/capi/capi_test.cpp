@@ -266,7 +266,7 @@ TEST(CApi, ASurfaceIsThatOfTheEngine) {
   expected.surface.friction_factor.assign(expected.mesh.triangles.size(), 0.75);
   const Surface& surface = expected.surface;
   MeshObject ball(expected.mesh);
-  ball.object.static_friction = ball.object.kinetic_friction = 0.5;
+  ball.object.static_friction = 0.5;  // and so the kinetic one
   ball.object.crease_angle = surface.crease_angle;
   ball.object.friction_factors = surface.friction_factor.data();
   const auto given = [](const Texture& texture) {

@@ -13,6 +13,9 @@ using namespace lumbrical::capi;
 
 namespace {
 
+// lumbrical_object::kinetic_friction that is the static one.
+constexpr double kStaticFriction = -1;
+
 Fault take_vertices(const lumbrical_object& given, Mesh& mesh) {
   if ((given.vertices == nullptr) == (given.float_vertices == nullptr))
     return bad_argument("give the object vertices or float_vertices, one of the two, or a mesh_file");
@@ -136,7 +139,9 @@ Fault to_object(const lumbrical_object& given, SceneObject& object) {
   if (Fault fault = check_enum(given.winding, 3, "object->winding", object.winding)) return fault;
   if (given.reserved != 0) return bad_argument("object->reserved is not 0; call lumbrical_object_init first");
   if (given.name != nullptr) object.name = given.name;
-  object.material = {given.static_friction, given.kinetic_friction, given.viscosity, given.shear_stiffness};
+  const bool same = given.kinetic_friction == kStaticFriction;
+  object.material = {given.static_friction, same ? given.static_friction : given.kinetic_friction,
+                     given.viscosity, given.shear_stiffness};
   const Pose pose = converted(convention, Convention::openxr, to_pose(given.pose));
   if (Fault fault = check_pose(pose)) return fault;
   object.pose = {pose.position, normalized(pose.orientation)};
@@ -240,6 +245,7 @@ int lumbrical_object_init(lumbrical_object* object) {
     const Material material;
     const Mechanism mechanism;
     out.pose = capi::to_c(Pose{});
+    out.kinetic_friction = kStaticFriction;
     out.shear_stiffness = material.shear_stiffness;
     capi::to_c(mechanism.axis, out.axis);
     out.lower = mechanism.lower;
