@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <numeric>
@@ -66,12 +67,22 @@ TEST(FlatFaces, AreCutAsCoarselyAsTheirCornersAllow) {
   }
 }
 
-TEST(FlatFaces, ThatAreNotConvexAndWhatIsRoundStayAsTheyAre) {
+TEST(FlatFaces, ThatAreNotConvexThatHaveAHoleAndWhatIsRoundStayAsTheyAre) {
   Mesh corner = make_plane(0.3, 8);  // one quarter is not there
   std::erase_if(corner.triangles, [&](const Triangle& t) {
     const Vec3 middle = (1.0 / 3) * (corner.vertices[t[0]] + corner.vertices[t[1]] + corner.vertices[t[2]]);
     return middle.x > 0 && middle.y > 0;
   });
+  Mesh holed = make_plane(10, 20);  // all but closed
+  for (Vec3& p : holed.vertices) {
+    if (largest_of(p) < 0.6) p = 0.002 * p;
+  }
+  std::erase_if(holed.triangles, [&](const Triangle& t) {
+    return std::all_of(t.begin(), t.end(),
+                       [&](std::uint32_t i) { return largest_of(holed.vertices[i]) < 0.01; });
+  });
+  EXPECT_EQ(holed.triangles.size(), 800u - 8);
+  EXPECT_EQ(with_whole_faces(holed).triangles.size(), holed.triangles.size());
   const Mesh ball = make_sphere(0.04, 12);
   EXPECT_EQ(with_whole_faces(corner).triangles.size(), corner.triangles.size());
   EXPECT_EQ(with_whole_faces(ball).triangles.size(), ball.triangles.size());

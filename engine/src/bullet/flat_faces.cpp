@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <numeric>
+#include <utility>
 
 #include "model/convex_hull.h"
 #include "model/mesh_edges.h"
@@ -15,22 +16,28 @@ namespace {
 // [m] So near to a plane, or to a line in it, a vertex lies in it.
 constexpr double kFlat = 1e-6;
 
-// Of each triangle those beyond its edges, or itself where no or more than one other shares an edge.
-using Neighbours = std::vector<std::array<std::uint32_t, 3>>;
+struct JoinedMesh {
+  Mesh mesh;
+  std::vector<std::uint32_t> first;  // vertex_merge.h
+  // Of each triangle those beyond its edges, or itself where no or more than one other shares an edge.
+  std::vector<std::array<std::uint32_t, 3>> beside;
+};
 
-Neighbours neighbours_of(const Mesh& mesh) {
-  Neighbours beside(mesh.triangles.size());
+JoinedMesh join(Mesh mesh) {
+  JoinedMesh joined{std::move(mesh), {}, {}};
+  auto& [whole, first, beside] = joined;
+  first = first_at_same_position(whole.vertices);
+  beside.resize(whole.triangles.size());
   for (std::uint32_t t = 0; t < beside.size(); ++t) beside[t].fill(t);
-  const auto put = [&](std::uint32_t of, std::uint32_t other) {
-    *std::find(beside[of].begin(), beside[of].end() - 1, of) = other;
-  };
-  edges_of(mesh, first_at_same_position(mesh.vertices))
-      .for_each([&](std::uint32_t, std::span<const HalfEdge> around) {
-        if (around.size() != 2) return;
-        put(around[0].triangle(), around[1].triangle());
-        put(around[1].triangle(), around[0].triangle());
-      });
-  return beside;
+  edges_of(whole, first).for_each([&joined](std::uint32_t, std::span<const HalfEdge> around) {
+    if (around.size() != 2) return;
+    for (const std::size_t i : {0, 1}) {
+      const std::uint32_t t = around[i].triangle();
+      auto& of = joined.beside[t];
+      *std::find(of.begin(), of.end() - 1, t) = around[1 - i].triangle();
+    }
+  });
+  return joined;
 }
 
 // Twice the area, along the normal.
@@ -41,10 +48,13 @@ Vec3 area_of(const Mesh& mesh, std::uint32_t t) {
 
 // What lies in the plane of one triangle and hangs together with it.
 struct Face {
+  std::uint32_t seed;
   Vec3 point, normal;
   double extent = 0;  // [m] of its corners' box
   std::vector<std::uint32_t> triangles;
 };
+
+constexpr std::uint32_t kNone = 0xffffffff;
 
 bool lies_in(const Face& face, const Mesh& mesh, std::uint32_t t) {
   const auto is_near = [&](std::uint32_t i) {
@@ -54,20 +64,37 @@ bool lies_in(const Face& face, const Mesh& mesh, std::uint32_t t) {
          dot(face.normal, area_of(mesh, t)) >= 0;
 }
 
-Face grow_face(const Mesh& mesh, const Neighbours& beside, std::uint32_t seed, std::vector<bool>& taken) {
-  Face face{mesh.vertices[mesh.triangles[seed][0]], unit_or(area_of(mesh, seed), {}), 0, {seed}};
-  taken[seed] = true;
+// `face_of`: each triangle's face, by its seed; kNone: none yet.
+Face grow_face(const JoinedMesh& joined, std::uint32_t seed, std::vector<std::uint32_t>& face_of) {
+  const Mesh& mesh = joined.mesh;
+  Face face{seed, mesh.vertices[mesh.triangles[seed][0]], unit_or(area_of(mesh, seed), {}), 0, {seed}};
+  face_of[seed] = seed;
   Box box;
   for (std::size_t i = 0; i < face.triangles.size(); ++i) {
     for (const std::uint32_t corner : mesh.triangles[face.triangles[i]]) box.add(mesh.vertices[corner], 0);
-    for (const std::uint32_t t : beside[face.triangles[i]]) {
-      if (taken[t] || !lies_in(face, mesh, t)) continue;
-      taken[t] = true;
+    for (const std::uint32_t t : joined.beside[face.triangles[i]]) {
+      if (face_of[t] != kNone || !lies_in(face, mesh, t)) continue;
+      face_of[t] = seed;
       face.triangles.push_back(t);
     }
   }
   face.extent = norm(box.upper - box.lower);
   return face;
+}
+
+// By Euler: without a hole, however small.
+bool is_disc(const JoinedMesh& joined, const Face& face, const std::vector<std::uint32_t>& face_of) {
+  std::vector<std::uint32_t> corners;
+  std::size_t half_edges = 3 * face.triangles.size();  // those of the rim twice
+  for (const std::uint32_t t : face.triangles) {
+    for (const std::uint32_t corner : joined.mesh.triangles[t]) corners.push_back(joined.first[corner]);
+    for (const std::uint32_t other : joined.beside[t])
+      half_edges += other == t || face_of[other] != face.seed;
+  }
+  std::sort(corners.begin(), corners.end());
+  const auto last = std::unique(corners.begin(), corners.end());
+  const auto count = static_cast<std::size_t>(last - corners.begin());
+  return count + face.triangles.size() == half_edges / 2 + 1;
 }
 
 // Turns the coordinate that a face's normal has most of to the middle, where hulls don't look; and back.
@@ -144,17 +171,18 @@ Mesh with_whole_faces(const Triangles& triangles, const std::vector<std::uint32_
   for (std::uint32_t i = 0; i < triangles.x.size(); ++i) mesh.vertices.push_back(triangles.vertex(i));
   for (const std::uint32_t t : chosen)
     mesh.triangles.push_back({triangles.a[t], triangles.b[t], triangles.c[t]});
-  const Neighbours beside = neighbours_of(mesh);
-  Mesh whole{mesh.vertices, {}};
-  std::vector<bool> taken(mesh.triangles.size());
-  for (const std::uint32_t seed : by_area(mesh)) {
-    if (taken[seed]) continue;
-    const Face face = grow_face(mesh, beside, seed, taken);
-    const std::vector<Vec3> corners = polygon_of(mesh, face);
+  const JoinedMesh joined = join(std::move(mesh));
+  Mesh whole{joined.mesh.vertices, {}};
+  std::vector<std::uint32_t> face_of(joined.mesh.triangles.size(), kNone);
+  for (const std::uint32_t seed : by_area(joined.mesh)) {
+    if (face_of[seed] != kNone) continue;
+    const Face face = grow_face(joined, seed, face_of);
+    const std::vector<Vec3> corners =
+        is_disc(joined, face, face_of) ? polygon_of(joined.mesh, face) : std::vector<Vec3>();
     if (corners.size() >= 3 && corners.size() - 2 < face.triangles.size()) {
       add_polygon(corners, whole);
     } else {
-      for (const std::uint32_t t : face.triangles) whole.triangles.push_back(mesh.triangles[t]);
+      for (const std::uint32_t t : face.triangles) whole.triangles.push_back(joined.mesh.triangles[t]);
     }
   }
   return whole;
