@@ -122,6 +122,7 @@ void add_still_mesh(const Triangles& triangles, const Pose& pose, double frictio
   if (!still.convex.hulls.empty()) add_still(*still.convex.whole, pose, friction, bodies);
   if (others.empty()) return;
   const Mesh mesh = with_whole_faces(triangles, others);
+  if (mesh.triangles.empty()) return;
   for (const Vec3 p : mesh.vertices)
     still.points.insert(still.points.end(),
                         {kUnitsPerMetre * p.x, kUnitsPerMetre * p.y, kUnitsPerMetre * p.z});
