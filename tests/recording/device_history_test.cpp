@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -122,6 +123,22 @@ TEST_F(Device, EventsAreExportedOneALine) {
   ASSERT_TRUE(export_device_events({&reader_, 1}, as_json, json).ok());
   EXPECT_NE(read_file(json).find(R"({"tick":3,"time":0.003,"kind":"state","text":"idle -> armed"})"),
             std::string::npos);
+}
+
+// Of two hands the first is looked through for commands before.
+TEST_F(Device, EventsLeaveNoFileWhereTheirExportIsStopped) {
+  const std::string csv = temporary_path("events.csv");
+  RecordingReader hands[2];
+  for (RecordingReader& hand : hands) ASSERT_TRUE(hand.open(path_).ok());
+  for (const int most : {0, 2, 5}) {
+    int asked = 0;
+    ExportOptions options;
+    options.stop = [&asked, most] { return ++asked > most; };
+    EXPECT_NE(export_device_events(hands, options, csv).message().find("stopped"), std::string::npos);
+    EXPECT_LE(asked, most + 2);
+    EXPECT_FALSE(std::filesystem::exists(csv));
+    EXPECT_FALSE(std::filesystem::exists(csv + ".part"));
+  }
 }
 
 TEST_F(Device, OfEventsTicksCanBeChosenAndNothingElse) {

@@ -216,6 +216,21 @@ TEST(HandViews, PartsAndWhatIsRecoveredKeepThem) {
   EXPECT_TRUE(verify_recording(whole, info).ok());
 }
 
+TEST(HandViews, LeaveNoTableWhereItsExportIsStopped) {
+  const std::string path = temporary_path("views.mcap"), table = temporary_path("table.csv");
+  record_views(path);
+  RecordingReader reader;
+  ASSERT_TRUE(reader.open(path).ok());
+  for (const MessageKind kind : {MessageKind::pose, MessageKind::contacts}) {
+    int asked = 0;
+    ExportOptions options;
+    options.stop = [&asked] { return ++asked > 5; };
+    EXPECT_NE(export_views({&reader, 1}, kind, options, table).message().find("stopped"), std::string::npos);
+    EXPECT_FALSE(std::filesystem::exists(table));
+    EXPECT_FALSE(std::filesystem::exists(table + ".part"));
+  }
+}
+
 TEST(HandViews, ComeOutAsTables) {
   const std::string path = temporary_path("views.mcap"), table = temporary_path("table.csv");
   record_views(path);

@@ -141,13 +141,14 @@ Status read_history(RecordingReader& reader, DeviceHistory& history,
   }
 }
 
-/// The first hand whose ticks have a device's commands; what can't be read tells why when it is read again.
-RecordingReader& driven_hand(std::span<RecordingReader> readers) {
+/// The first hand whose ticks have a device's commands; what can't be read, or was stopped, tells why when it
+/// is read again.
+RecordingReader& driven_hand(std::span<RecordingReader> readers, const std::function<bool()>& stop = {}) {
   assert(!readers.empty());
   const auto stop_at_first = [](const DeviceEvent&) { return Status::error("driven"); };
   for (RecordingReader& reader : readers.first(readers.size() - 1)) {
     DeviceHistory history;
-    if (!read_history(reader, history, stop_at_first).ok()) return reader;
+    if (!read_history(reader, history, stop_at_first, stop).ok()) return reader;
   }
   return readers.back();
 }
@@ -168,7 +169,7 @@ Status write_events(std::span<RecordingReader> readers, const ExportOptions& opt
   const auto write = [&](const DeviceEvent& event) {
     return is_chosen(options, event.tick) ? out.line(event_line(event, format)) : Status();
   };
-  return read_history(driven_hand(readers), history, write, options.stop);
+  return read_history(driven_hand(readers, options.stop), history, write, options.stop);
 }
 
 }  // namespace

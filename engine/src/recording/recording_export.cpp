@@ -153,7 +153,8 @@ Status write_npz(Readers readers, const ExportOptions& options, const std::vecto
   });
   std::vector<std::string> names, units;
   for (std::size_t i = 0; status.ok() && i < columns.size(); ++i) {
-    status = out.add(columns[i].name, is_real(columns[i].type) ? "<f8" : "<u8", values[i]);
+    status = check_stop(options.stop);
+    if (status.ok()) status = out.add(columns[i].name, is_real(columns[i].type) ? "<f8" : "<u8", values[i]);
     values[i] = {};
     names.push_back(columns[i].name);
     units.push_back(columns[i].unit);
