@@ -25,10 +25,10 @@ struct HardPair {
 };
 void PrintTo(const HardPair& hard, std::ostream* out) { *out << hard.name; }
 
-using Corners = std::array<Vec3, 3>;
-const Corners kCovering = {Vec3{-0.21, -0.13, 0}, {0.2, -0.17, 0}, {0.03, 0.24, 0}};
-const Corners kAcross = {Vec3{-0.003, -0.002, 0}, {0.05, -0.011, 0}, {0.011, 0.06, 0}};
-const Corners kSmall = {Vec3{0.0007, -0.0011, 0}, {0.0021, 0.0003, 0}, {-0.0004, 0.0017, 0}};
+using ThreePoints = std::array<Vec3, 3>;
+const ThreePoints kCovering = {Vec3{-0.21, -0.13, 0}, {0.2, -0.17, 0}, {0.03, 0.24, 0}};
+const ThreePoints kAcross = {Vec3{-0.003, -0.002, 0}, {0.05, -0.011, 0}, {0.011, 0.06, 0}};
+const ThreePoints kSmall = {Vec3{0.0007, -0.0011, 0}, {0.0021, 0.0003, 0}, {-0.0004, 0.0017, 0}};
 
 ProbePrimitive sphere(double height) { return {ProbeShape::sphere, {0, 0, height}, {}, kR, 0}; }
 ProbePrimitive capsule(Vec3 end1, Vec3 end2, double radius2 = kR) {
@@ -36,7 +36,7 @@ ProbePrimitive capsule(Vec3 end1, Vec3 end2, double radius2 = kR) {
 }
 ProbePrimitive cylinder(Vec3 end1, Vec3 end2) { return {ProbeShape::cylinder, end1, end2, kR, kR}; }
 
-Corners scaled(double scale, const Corners& corners, Vec3 shift = {}) {
+ThreePoints scaled(double scale, const ThreePoints& corners, Vec3 shift = {}) {
   return {scale * corners[0] + shift, scale * corners[1] + shift, scale * corners[2] + shift};
 }
 
@@ -49,10 +49,10 @@ Pair moved(Pair pair, const Pose& pose) {
 
 class List {
  public:
-  void add(const std::string& name, const ProbePrimitive& primitive, const Corners& corners) {
+  void add(const std::string& name, const ProbePrimitive& primitive, const ThreePoints& corners) {
     list_.push_back({name, {primitive, corners, kR}});
   }
-  void add_moved(const std::string& name, const ProbePrimitive& primitive, const Corners& corners,
+  void add_moved(const std::string& name, const ProbePrimitive& primitive, const ThreePoints& corners,
                  Vec3 by = {}) {
     const Pose pose{by, normalized({0.3, -0.5, 0.7, 0.2})};
     list_.push_back({name, moved({primitive, corners, kR}, pose)});

@@ -14,6 +14,7 @@
 #include "index/triangle_distance.h"
 #include "index/voxel_cache.h"
 #include "index/voxel_index.h"
+#include "model/corners.h"
 #include "random.h"
 #include "reference/triangle_distance.h"
 #include "session.h"
@@ -62,9 +63,6 @@ Mesh uneven_soup(Random& random, std::size_t count) {
   return mesh;
 }
 
-struct Corners {
-  Vec3 a, b, c;
-};
 Corners in_voxels(const Triangles& triangles, const VoxelLists& lists, std::uint32_t triangle) {
   const auto corner = [&](const SharedArray<std::uint32_t>& corners) {
     return (triangles.vertex(corners[triangle]) - lists.origin) / lists.voxel_size;

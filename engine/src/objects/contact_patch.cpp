@@ -246,7 +246,7 @@ struct Ball {
   double radius = 0;
 };
 Ball ball_around(const SweptPolygon& palm) {
-  const std::span corners(palm.corner.data(), static_cast<std::size_t>(palm.corner_count));
+  const std::span corners(palm.corner.data(), palm.corner_count);
   Ball ball;
   for (const Vec3 corner : corners) ball.middle += (1.0 / palm.corner_count) * corner;
   for (const Vec3 corner : corners) ball.radius = max(ball.radius, norm(corner - ball.middle));

@@ -364,7 +364,7 @@ void measure_round(const Core& core, std::span<const std::uint64_t> pairs) {
 // Of a point in the polygon's plane, or over it.
 bool is_inside(const SweptPolygon& palm, Vec3 point) {
   bool inside = true;
-  for (std::size_t k = 0; inside && k < static_cast<std::size_t>(palm.corner_count); ++k)
+  for (std::size_t k = 0; inside && k < palm.corner_count; ++k)
     inside = dot(palm.outward[k], point - palm.corner[k]) < 0;
   return inside;
 }
@@ -390,7 +390,7 @@ void measure_palm(const Core& core, const SweptPolygon& palm, const Corners& at)
 void keep_cores(double reach, Primitives& hand) {
   const auto thin = [reach](double& radius) { radius = kCoreShare * radius + reach; };
   thin(hand.palm.radius);
-  for (std::size_t i = 0; i < static_cast<std::size_t>(hand.count); ++i) {
+  for (std::size_t i = 0; i < hand.count; ++i) {
     Primitive& primitive = hand.primitive[i];
     if (primitive.shape == Shape::slab) continue;  // round its sphere
     thin(primitive.radius1);
@@ -433,7 +433,7 @@ bool add_gaps(const Surroundings& around, const Joints& hand, double reach, Scra
   keep_cores(reach, placed);
   if (!find_candidates(model, placed, scratch)) return false;
   const std::span<const std::uint64_t> all{scratch.candidates.data(), scratch.candidate_count};
-  const auto count = static_cast<std::size_t>(placed.count);
+  const std::size_t count = placed.count;
   // A hand that stays is closed by what closed it last.
   const std::size_t first = gaps.asks_only_that ? memory.closed : 0;
   for (std::size_t i = 0; i < count && !is_told(gaps); ++i) {

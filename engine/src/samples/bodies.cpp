@@ -77,7 +77,7 @@ void set_finger(const Primitives& hand, std::size_t first, std::size_t last, con
 }
 
 void set_palm(const SweptPolygon& polygon, const PatchRules& rules, PalmBody& palm) {
-  palm.corner_count = static_cast<std::size_t>(polygon.corner_count);
+  palm.corner_count = polygon.corner_count;
   if (palm.corner_count == 0) return;
   Vec3 middle;
   for (std::size_t k = 0; k < palm.corner_count; ++k)

@@ -36,7 +36,7 @@ bool is_within(double reach, const HandPlace& was, const HandPlace& hand) {
     const auto &a = hand.phalanx[i], &b = was.phalanx[i];
     within = within && a.radius == b.radius && is_near(a.end1, b.end1) && is_near(a.end2, b.end2);
   }
-  for (std::size_t k = 0; k < static_cast<std::size_t>(hand.palm.corner_count); ++k)
+  for (std::size_t k = 0; k < hand.palm.corner_count; ++k)
     within = within && is_near(hand.palm.corner[k], was.palm.corner[k]);
   return within;
 }
@@ -54,8 +54,7 @@ Limbs::Limbs(const HandPlace& hand, double spare) : count_(hand.phalanx_count), 
     box_.add(end2, reach);
   }
   palm_reach_ = palm_.radius + more;
-  for (std::size_t k = 0; k < static_cast<std::size_t>(palm_.corner_count); ++k)
-    box_.add(palm_.corner[k], palm_reach_);
+  for (std::size_t k = 0; k < palm_.corner_count; ++k) box_.add(palm_.corner[k], palm_reach_);
   ball_.end1 = ball_.end2 = box_.middle();
   ball_.radius1 = ball_.radius2 = norm(box_.upper - ball_.end1);
 }
@@ -71,7 +70,7 @@ std::uint32_t Limbs::near_plane(const Corners& at) const {
     near |= std::uint32_t{min(at_end, beyond) <= reach && max(at_end, beyond) >= -reach} << i;
   }
   double lowest = kFarAway, highest = -kFarAway;
-  for (std::size_t k = 0; k < static_cast<std::size_t>(palm_.corner_count); ++k) {
+  for (std::size_t k = 0; k < palm_.corner_count; ++k) {
     const double at_corner = height(palm_.corner[k]);
     lowest = min(lowest, at_corner);
     highest = max(highest, at_corner);
@@ -102,7 +101,7 @@ std::uint32_t Limbs::near(const Sphere& sphere, std::uint32_t limbs) const {
 bool Limbs::meets_palm(Vec3 centre, double within) const {
   const double reach = palm_reach_ + within;
   bool meets = palm_.corner_count > 0 && std::fabs(dot(palm_.normal, centre - palm_.corner[0])) <= reach;
-  for (std::size_t k = 0; meets && k < static_cast<std::size_t>(palm_.corner_count); ++k)
+  for (std::size_t k = 0; meets && k < palm_.corner_count; ++k)
     meets = dot(palm_.outward[k], centre - palm_.corner[k]) <= reach;
   return meets;
 }

@@ -69,7 +69,7 @@ void move_segments(std::size_t first, std::size_t last, Vec3 pivot, Vec3 shift, 
     to.base_joint[i] = moved(from.base_joint[i]);
     if (i == kPalmSegment) {
       to.palm.normal = rotate(turn, from.palm.normal);
-      for (std::size_t k = 0; k < static_cast<std::size_t>(from.palm.corner_count); ++k) {
+      for (std::size_t k = 0; k < from.palm.corner_count; ++k) {
         to.palm.corner[k] = moved(from.palm.corner[k]);
         to.palm.outward[k] = rotate(turn, from.palm.outward[k]);
       }
