@@ -16,8 +16,8 @@ namespace {
 // [m] So near to a plane, or to a line in it, a vertex lies in it.
 constexpr double kFlat = 1e-6;
 
-// A polygon of more has sides so short that it is no better to stand on than what it is made of.
-constexpr std::size_t kMostCorners = 1000;
+// A polygon of more has them so short that it is no better to stand on than what it is made of.
+constexpr std::size_t kMostSides = 1000;
 
 struct JoinedMesh {
   Mesh mesh;
@@ -171,7 +171,7 @@ std::vector<Vec3> polygon_of(const JoinedMesh& joined, const Face& face, const F
   std::vector<Vec3> hull = hull_of(points, face.normal);
   if (hull.size() < 3) return {};
   const std::vector<Vec3> corners = straightened(std::move(hull));
-  if (corners.size() < 3 || corners.size() > kMostCorners) return {};
+  if (corners.size() < 3 || corners.size() > kMostSides) return {};
   const auto is_on_outline = [&](Vec3 p) {
     for (std::size_t i = 0; i < corners.size(); ++i)
       if (distance(p, corners[i], corners[(i + 1) % corners.size()]) <= 2 * kFlat) return true;
