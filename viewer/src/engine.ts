@@ -62,12 +62,13 @@ interface Exports {
 // System calls for files, of which there are none.
 const kNoSuchCall = -52;
 
-/** What the engine throws where memory ends is no Error and has no text. What it was to read may be good: it is no Refusal. */
+/** What the engine throws where memory ends has no text, and is an Error to older machines only. What it was to read may be good: it is no Refusal. */
 const telling = (call: WebAssembly.ExportValue) => typeof call !== "function" ? call : (...given: unknown[]) => {
   try {
     return call(...given);
   } catch (error) {
-    throw error instanceof Error ? error : new Error("not enough memory in this page");
+    const told = error instanceof Error && !(error instanceof WebAssembly.Exception);
+    throw told ? error : new Error("not enough memory in this page");
   }
 };
 
