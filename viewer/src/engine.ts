@@ -62,6 +62,13 @@ interface Exports {
 // System calls for files, of which there are none.
 const kNoSuchCall = -52;
 
+// TypeScript does not know it yet.
+declare global {
+  namespace WebAssembly {
+    class Exception {}
+  }
+}
+
 /** What the engine throws where memory ends has no text, and is an Error to older machines only. What it was to read may be good: it is no Refusal. */
 const telling = (call: WebAssembly.ExportValue) => typeof call !== "function" ? call : (...given: unknown[]) => {
   try {
