@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "base/share_along.h"
 #include "section/section.h"
 
 namespace lumbrical {
@@ -109,10 +110,8 @@ Vec3 half_way(Vec3 here, Vec3 next) {
 double segment_distance(const Segment& a, const Segment& b) {
   const auto square_of = [](Vec3 v) { return dot(v, v); };
   const auto from_point = [&](Vec3 p, const Segment& s) {
-    const Vec3 axis = s.end2 - s.end1;
-    const double square = square_of(axis);
-    const double t = square > 0 ? clamp(dot(p - s.end1, axis) / square, 0, 1) : 0;
-    return square_of(p - s.end1 - t * axis);
+    const Vec3 axis = s.end2 - s.end1, from = p - s.end1;
+    return square_of(from - share_along(axis, from) * axis);
   };
   double least = min(min(from_point(a.end1, b), from_point(a.end2, b)),
                      min(from_point(b.end1, a), from_point(b.end2, a)));

@@ -6,6 +6,7 @@
 #include <numeric>
 #include <utility>
 
+#include "base/share_along.h"
 #include "model/convex_hull.h"
 #include "model/mesh_edges.h"
 #include "model/vertex_merge.h"
@@ -100,34 +101,27 @@ bool is_disc(const JoinedMesh& joined, const Face& face, std::size_t rim_edges) 
   return count + face.triangles.size() == (3 * face.triangles.size() + rim_edges) / 2 + 1;
 }
 
-// Turns the coordinate that a normal has most of to the middle, where hulls don't look; and back.
-struct View {
-  int middle;
-  explicit View(Vec3 normal) {
-    const Vec3 size{std::fabs(normal.x), std::fabs(normal.y), std::fabs(normal.z)};
-    middle = size.x > size.y && size.x > size.z ? 0 : size.y > size.z ? 1 : 2;
-  }
-  [[nodiscard]] Vec3 seen(Vec3 p) const {
-    return middle == 0 ? Vec3{p.z, p.x, p.y} : middle == 1 ? p : Vec3{p.y, p.z, p.x};
-  }
-  [[nodiscard]] Vec3 back(Vec3 p) const {
-    return middle == 0 ? Vec3{p.y, p.z, p.x} : middle == 1 ? p : Vec3{p.z, p.x, p.y};
-  }
-};
+// Each coordinate moves to the next place, `times` times; three times are none.
+Vec3 moved_on(Vec3 p, int times) {
+  for (; times > 0; --times) p = {p.z, p.x, p.y};
+  return p;
+}
 
-// Of points in a plane, the right way round about its normal.
+// Of points in a plane, the right way round about its normal. What that has most of goes to y, where hulls
+// don't look.
 std::vector<Vec3> hull_of(std::vector<Vec3> points, Vec3 normal) {
-  const View view(normal);
-  for (Vec3& p : points) p = view.seen(p);
+  const double x = std::fabs(normal.x), y = std::fabs(normal.y), z = std::fabs(normal.z);
+  const int times = x > y && x > z ? 1 : y > z ? 0 : 2;
+  for (Vec3& p : points) p = moved_on(p, times);
   std::vector<Vec3> hull = convex_hull(std::move(points), 0);
-  if (view.seen(normal).y > 0) std::reverse(hull.begin(), hull.end());
-  for (Vec3& p : hull) p = view.back(p);
+  if (moved_on(normal, times).y > 0) std::reverse(hull.begin(), hull.end());
+  for (Vec3& p : hull) p = moved_on(p, 3 - times);
   return hull;
 }
 
 double distance(Vec3 p, Vec3 a, Vec3 b) {
-  const Vec3 ab = b - a;
-  return norm(p - (a + clamp(dot(p - a, ab) / dot(ab, ab), 0, 1) * ab));
+  const Vec3 axis = b - a, from = p - a;
+  return norm(from - share_along(axis, from) * axis);
 }
 
 // Without corners that lie next to the line from the one kept before them to the one after.
@@ -204,8 +198,10 @@ void add_polygon(const std::vector<Vec3>& corners, Mesh& to) {
 // The largest first: their planes are known best.
 std::vector<std::uint32_t> by_area(const Mesh& mesh) {
   std::vector<double> square;
-  for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t)
-    square.push_back(dot(area_of(mesh, t), area_of(mesh, t)));
+  for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
+    const Vec3 area = area_of(mesh, t);
+    square.push_back(dot(area, area));
+  }
   std::vector<std::uint32_t> order(mesh.triangles.size());
   std::iota(order.begin(), order.end(), 0u);
   std::stable_sort(order.begin(), order.end(), [&](auto s, auto t) { return square[s] > square[t]; });

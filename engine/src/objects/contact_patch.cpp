@@ -5,6 +5,7 @@
 #include <span>
 
 #include "base/gauss.h"
+#include "base/share_along.h"
 
 namespace lumbrical {
 namespace {
@@ -234,9 +235,7 @@ Vec3 on_line_of_action(Vec3 joint, const Wrench& wrench, double square) {
 Vec3 within(double distance, Vec3 end1, Vec3 end2, Vec3 along, Vec3 point) {
   const auto flat = [&](Vec3 v) { return v - dot(along, v) * along; };
   const Vec3 axis = flat(end2 - end1), offset = flat(point - end1);
-  const double square = dot(axis, axis);
-  const double share = square > 0 ? clamp(dot(offset, axis) / square, 0, 1) : 0;
-  const Vec3 away = offset - share * axis;
+  const Vec3 away = offset - share_along(axis, offset) * axis;
   const double beyond = norm(away);
   return beyond > distance ? point + (distance / beyond - 1) * away : point;
 }

@@ -5,6 +5,7 @@
 #include <span>
 
 #include "base/at_least.h"
+#include "base/share_along.h"
 #include "index/triangle_distance.h"
 #include "model/corners.h"
 #include "stages/broadphase.h"
@@ -71,9 +72,7 @@ Vec3 point_at(const Primitive& primitive, double t) { return primitive.end1 + t 
 
 // Of the axis' point nearest to another one.
 double nearest_share(const Primitive& primitive, Vec3 point) {
-  const Vec3 axis = axis_of(primitive);
-  const double square = dot(axis, axis);
-  return square > 0 ? clamp(dot(point - primitive.end1, axis) / square, 0, 1) : 0;
+  return share_along(axis_of(primitive), point - primitive.end1);
 }
 
 double radius_at(const Primitive& primitive, double t) {

@@ -128,7 +128,7 @@ std::string event_line(const DeviceEvent& event, ExportFormat format) {
 
 Status read_history(RecordingReader& reader, DeviceHistory& history,
                     const std::function<Status(const DeviceEvent&)>& event,
-                    const std::function<bool()>& stop = {}) {
+                    const std::function<bool()>& stop) {
   history = {};
   if (Status status = reader.seek(0); !status.ok()) return status;
   Pass pass(reader.scene().settings.rate, history, event);
@@ -143,7 +143,7 @@ Status read_history(RecordingReader& reader, DeviceHistory& history,
 
 /// The first hand whose ticks have a device's commands; what can't be read, or was stopped, tells why when it
 /// is read again.
-RecordingReader& driven_hand(std::span<RecordingReader> readers, const std::function<bool()>& stop = {}) {
+RecordingReader& driven_hand(std::span<RecordingReader> readers, const std::function<bool()>& stop) {
   assert(!readers.empty());
   const auto stop_at_first = [](const DeviceEvent&) { return Status::error("driven"); };
   for (RecordingReader& reader : readers.first(readers.size() - 1)) {
@@ -151,6 +151,12 @@ RecordingReader& driven_hand(std::span<RecordingReader> readers, const std::func
     if (!read_history(reader, history, stop_at_first, stop).ok()) return reader;
   }
   return readers.back();
+}
+
+Status read_driven(std::span<RecordingReader> readers, DeviceHistory& history,
+                   const std::function<Status(const DeviceEvent&)>& event,
+                   const std::function<bool()>& stop) {
+  return read_history(driven_hand(readers, stop), history, event, stop);
 }
 
 // Of ticks, not of events: there may be none of those.
@@ -169,14 +175,14 @@ Status write_events(std::span<RecordingReader> readers, const ExportOptions& opt
   const auto write = [&](const DeviceEvent& event) {
     return is_chosen(options, event.tick) ? out.line(event_line(event, format)) : Status();
   };
-  return read_history(driven_hand(readers, options.stop), history, write, options.stop);
+  return read_driven(readers, history, write, options.stop);
 }
 
 }  // namespace
 
 Status read_device_history(std::span<RecordingReader> readers, DeviceHistory& history,
                            const std::function<Status(const DeviceEvent&)>& event) try {
-  return read_history(driven_hand(readers), history, event);
+  return read_driven(readers, history, event, {});
 } catch (const std::bad_alloc&) {
   return Status::error(readers[0].info().path + ": not enough memory to read the events");
 }

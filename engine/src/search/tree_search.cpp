@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "base/share_along.h"
+
 namespace lumbrical {
 namespace {
 
@@ -18,9 +20,7 @@ double reach_of(Vec3 from, Vec3 axis, const Primitive& primitive) {
 
 bool may_reach(const TreeHead& tree, const Primitive& primitive) {
   const Vec3 axis = primitive.end2 - primitive.end1, from = tree.centre - (primitive.end1 - tree.origin);
-  const double square = dot(axis, axis);
-  const double t = square > 0 ? clamp(dot(from, axis) / square, 0, 1) : 0;
-  const Vec3 gap = from - t * axis;
+  const Vec3 gap = from - share_along(axis, from) * axis;
   const double reach = (1 + 1e-6) * (max(primitive.radius1, primitive.radius2) + tree.radius);
   return dot(gap, gap) <= reach * reach;
 }
