@@ -15,6 +15,7 @@ before(async () => {
   const run = (name, ...args) => execFileSync(program, ["run", scene, "--record", file(name), ...args]);
   run("grasp.mcap", "--threads", "1");
   execFileSync(program, ["run", join(dirname(scene), "mug.json"), "--record", file("lift.mcap")]);
+  run("tenths.mcap", "--threads", "1", "--record-forces", "10");
   run("hashes only.mcap", "--threads", "1", "--ticks", "4200", "--record-forces", "none");
   const whole = readFileSync(file("grasp.mcap"));
   writeFileSync(file("torn.mcap"), whole.subarray(0, whole.length >> 1));
@@ -62,6 +63,31 @@ test("An object that moves is drawn where it is felt, and tells where that is wh
   assert.match(await details(), /triangle\s+\d+\s+(touched by|contact\s+none)/);
   assert.match(await details(), /replayed here\s+the same bits/);
   await shot("lifted");
+});
+
+/** In what share of each tenth of the session the plot of forces has a line. */
+async function linesIn(name) {
+  await open(await serve("view", file(name), "--no-browser"));
+  await scanned();
+  return page.locator('.plot:has(h2:text-is("Force per segment [N]")) canvas').evaluate((canvas) => {
+    const over = canvas.parentElement.querySelector(".u-over"), scale = canvas.width / canvas.clientWidth;
+    const left = Math.round(scale * over.offsetLeft), width = Math.round(scale * over.clientWidth);
+    const { data } = canvas.getContext("2d").getImageData(left, 0, width, canvas.height);
+    const drawn = new Array(10).fill(0);
+    for (let x = 0; x < width; ++x) {
+      const isLine = (y) => { const [r, g, b, a] = data.slice(4 * (y * width + x)); return a > 100 && Math.max(r, g, b) - Math.min(r, g, b) > 40; };
+      const rows = Array.from({ length: canvas.height }, (_, y) => y);
+      drawn[Math.floor((10 * x) / width)] += rows.some(isLine) ? 10 / width : 0;
+    }
+    return drawn;
+  });
+}
+
+test("Plots go on over ticks whose forces the file leaves out, and not over ticks that are missing", async () => {
+  const held = (stretches) => stretches.slice(2, 8);
+  const tenths = held(await linesIn("tenths.mcap")), damaged = held(await linesIn("damaged.mcap"));
+  assert.ok(tenths.every((share) => share > 0.95), `${tenths}`);
+  assert.ok(damaged.some((share) => share > 0.95) && damaged.some((share) => share < 0.9), `${damaged}`);
 });
 
 /** Whether the pointer finds such a thing about the middle of the scene. */

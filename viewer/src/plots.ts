@@ -50,6 +50,12 @@ function charts(rate: number): Chart[] {
   ];
 }
 
+/** As uPlot draws it: a line goes on over numbers that ticks leave out (undefined), not over ticks that are missing (null). */
+function lineOf(column: Float32Array, from: Columns): (number | null | undefined)[] {
+  const missing = (i: number) => Number.isNaN(from.values[kContacts][i]);
+  return Array.from(column, (value, i) => (!Number.isNaN(value) ? value : missing(i) ? null : undefined));
+}
+
 /** Behind the point, of labels that are so far apart. */
 const digitsFor = (step: number) => Math.max(0, 1 - Math.floor(Math.log10(step)));
 
@@ -104,7 +110,7 @@ export function makePlots(parent: HTMLElement, rate: number, zoom: (from: number
       legend: { show: false },
       scales: { x: { time: false, range: () => range }, y: { range: (_, low, high) => [Math.min(0, low ?? 0), (high ?? 0) > 0 ? 1.05 * high! : 1] } },
       axes: [{ ...axis, size: 24, values: (_, at, _axis, _space, step) => at.map((t) => `${+t.toFixed(digitsFor(step))} s`) }, { ...axis, size: 52, values: (_, at) => at.map((v) => (chart.text ? chart.text(v) : brief(v))) }],
-      series: [{}, ...chart.labels.map((label, i) => ({ label, stroke: () => chart.stroke(i), dash: chart.dash(i), width: 1.25, points: { show: false }, spanGaps: chart.text !== undefined }))],
+      series: [{}, ...chart.labels.map((label, i) => ({ label, stroke: () => chart.stroke(i), dash: chart.dash(i), width: 1.25, points: { show: false } }))],
       cursor: { sync: { key: "time" }, drag: { x: true, y: false, setScale: false }, points: { show: false } },
       hooks: {
         draw: [(u) => drawLines(u, chart)],
@@ -143,7 +149,7 @@ export function makePlots(parent: HTMLElement, rate: number, zoom: (from: number
         const from = chart.compares ? other : own;
         const columns = from ? chart.columns(from) : [];
         box.hidden = !columns.some((column) => column.some((value) => !Number.isNaN(value)));
-        if (from && !box.hidden) plot.setData([Array.from(from.tick, (tick) => tick / rate), ...columns.map((column) => Array.from(column, (value) => (Number.isNaN(value) ? null : value)))] as uPlot.AlignedData);
+        if (from && !box.hidden) plot.setData([Array.from(from.tick, (tick) => tick / rate), ...columns.map((column) => lineOf(column, from))] as uPlot.AlignedData);
       }
     },
     setRange(from, to) {
