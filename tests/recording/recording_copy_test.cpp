@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <functional>
 
 #include "golden/golden_sessions.h"
 #include "recording/mcap_reader.h"
@@ -201,6 +202,43 @@ TEST_F(Copied, MistakesAreNamedAndLeaveNothingBehind) {
   EXPECT_FALSE(std::filesystem::exists(out + ".part"));
   RecordingInfo info;
   EXPECT_TRUE(verify_recording(b, info).ok());
+}
+
+// From tick 700 on, the state before which is found by running ticks before it.
+TEST_F(Copied, LeavesNoFileWhereItIsStopped) {
+  const std::string output = temporary_path("stopped.mcap");
+  for (const int most : {0, 3, 40, 400}) {
+    int asked = 0;
+    const auto stop = [&asked, most] { return ++asked > most; };
+    const auto copied = [&] {
+      CopyResult result;
+      CopyOptions options{700, kTicks, std::nullopt};
+      options.stop = stop;
+      return copy_recordings({path()}, output, options, result);
+    };
+    const auto recovered = [&] {
+      std::uint64_t kept = 0, lost = 0;
+      return recover_recording(path(), output, kept, lost, nullptr, stop);
+    };
+    const auto changed = [&] {
+      RecordingReader reader;
+      EXPECT_TRUE(reader.open(path()).ok());
+      ReplayOptions options;
+      options.stiffness = 1e7;
+      options.record = output;
+      options.stop = stop;
+      WhatIfResult result;
+      return what_if(reader, options, result);
+    };
+    const std::vector<std::function<Status()>> writers = {copied, recovered, changed};
+    for (std::size_t i = 0; i < writers.size(); ++i) {
+      if (i == 1 && most > 3) continue;  // asks with every chunk
+      asked = 0;
+      EXPECT_NE(writers[i]().message().find("stopped"), std::string::npos) << i << " " << most;
+      EXPECT_FALSE(std::filesystem::exists(output)) << i << " " << most;
+      EXPECT_FALSE(std::filesystem::exists(output + ".part")) << i << " " << most;
+    }
+  }
 }
 
 TEST_F(Copied, PartTornAfterwardsKeepsItsStateWhenRecovered) {

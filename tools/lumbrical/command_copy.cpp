@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "commands.h"
+#include "fail_to_write.h"
 #include "lumbrical/recording.h"
 #include "output.h"
 #include "switches.h"
@@ -51,10 +52,12 @@ std::string copied_text(const std::string& output, const CopyResult& result, con
          why + ".\n";
 }
 
-int copy(const CopySwitches& switches, const CopyOptions& options, const char* why = kWhyWholes) {
+int copy(const CopySwitches& switches, CopyOptions options, const char* why = kWhyWholes) {
+  const StopSignals stop_signals;
+  options.stop = stop_requested;
   CopyResult result;
   const Status status = copy_recordings(switches.recordings, switches.output, options, result);
-  if (!status.ok()) return fail(status);
+  if (!status.ok()) return fail_to_write(switches.output, status);
   return switches.json ? print_json(copied_json(switches.output, result))
                        : print_text(copied_text(switches.output, result, why));
 }
@@ -116,6 +119,7 @@ int split(const CopySwitches& switches) {
   std::uint64_t ticks = 0;
   if (Status status = part_length(switches, reader, ticks); !status.ok()) return fail(status);
   const std::size_t digits = digits_of_parts(reader.info(), ticks);
+  const StopSignals stop_signals;
   Json parts = Json::array();
   std::string text;
   std::uint64_t first = 0, tick = 0;
@@ -129,9 +133,10 @@ int split(const CopySwitches& switches) {
     part.to = part.from + std::min(ticks, UINT64_MAX - part.from);
     const std::string output = numbered(switches.output, parts.size() + 1, digits);
     part.world = switches.world;
+    part.stop = stop_requested;
     CopyResult result;
     if (Status status = copy_recordings(switches.recordings, output, part, result); !status.ok())
-      return fail(status);
+      return fail_to_write(output, status);
     parts.push_back(copied_json(output, result));
     text += copied_text(output, result, kWhyParts);
   }

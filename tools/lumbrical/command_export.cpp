@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "commands.h"
+#include "fail_to_write.h"
 #include "lumbrical/recording.h"
-#include "lumbrical/ways_out.h"
 #include "output.h"
 #include "switches.h"
 
@@ -82,9 +82,7 @@ int export_as_table(const ExportSwitches& switches) {
     wanted.stop = stop_requested;
   }
   const Status status = export_to_file(readers, switches, wanted);
-  if (status.ok()) return kDone;
-  fail(stop_requested() ? Status::error(switches.output + ": stopped by a signal, and not written") : status);
-  return stop_requested() ? kInterrupted : kUnreadable;
+  return status.ok() ? kDone : fail_to_write(switches.output, status);
 }
 
 }  // namespace

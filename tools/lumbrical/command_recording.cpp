@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "commands.h"
+#include "fail_to_write.h"
 #include "lumbrical/recording.h"
 #include "output.h"
 #include "switches.h"
@@ -229,8 +230,10 @@ int recover(const RecordingOptions& options) {
   std::uint64_t recovered = 0, lost = 0;
   std::vector<TickRange> missing;
   const bool growing = is_growing(options.recording);
-  const Status status = recover_recording(options.recording, output, recovered, lost, &missing);
-  if (!status.ok()) return fail(status);
+  const StopSignals stop_signals;
+  const Status status =
+      recover_recording(options.recording, output, recovered, lost, &missing, stop_requested);
+  if (!status.ok()) return fail_to_write(output, status);
   if (options.json) {
     Json json;
     json["recovered"] = recovered;

@@ -9,6 +9,7 @@
 
 #include "commands.h"
 #include "divergence.h"
+#include "fail_to_write.h"
 #include "lumbrical/batch.h"
 #include "lumbrical/recording.h"
 #include "output.h"
@@ -168,12 +169,18 @@ Status replay_one(const std::string& path, const ReplaySwitches& switches, const
 
 int replay_single(const ReplaySwitches& switches, ReplayOptions& options) {
   Replayed replayed;
+  std::optional<StopSignals> stop_signals;
+  if (!switches.record.empty()) {
+    stop_signals.emplace();
+    options.stop = stop_requested;
+  }
   {
     Progress progress("replaying");
     options.progress = [&progress](std::uint64_t done, std::uint64_t all) { progress.update(done, all); };
     replayed.error = replay_one(switches.recordings[0], switches, options, replayed);
   }
-  if (!replayed.error.ok()) return fail(replayed.error);
+  if (!replayed.error.ok())
+    return stop_signals ? fail_to_write(switches.record, replayed.error) : fail(replayed.error);
   const int printed = switches.json ? print_json(replayed.json) : print_text(replayed.text);
   if (printed != kDone) return printed;
   return replayed.diverged ? kDiverged : replayed.damaged ? kUnreadable : kDone;

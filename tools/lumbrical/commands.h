@@ -12,7 +12,7 @@ enum ExitCode : int {
   kDiverged = 3,       ///< replay or diff found a difference
   kNoForces = 4,       ///< run: a device was to be driven, and forces never or no longer reached it
   kTicksMissing = 5,   ///< verify: whole, but not all ticks are there; recover: not all could be kept
-  kInterrupted = 130,  ///< a signal ended it early: run with everything written, export with no file
+  kInterrupted = 130,  ///< a signal ended it early: run with everything written, others with no file
 };
 
 /// Each adds its subcommand to the app and stores the exit code of its run in `exit_code`.

@@ -247,9 +247,11 @@ Status verify_recording(const std::string& path, RecordingInfo& info,
 /// which those are (`missing`, ascending; may be null): all between the first the file held and the last. The
 /// last is known from the index, or where there is none from the chunks met, damaged ones too; what came
 /// behind the last chunk of a torn file can't be. The session itself must be whole; `output` must be another
-/// file and appears only when it is complete.
+/// file and appears only when it is complete. `stop` is as that of CopyOptions, asked
+/// with every chunk.
 Status recover_recording(const std::string& path, const std::string& output, std::uint64_t& recovered,
-                         std::uint64_t& lost, std::vector<TickRange>* missing = nullptr);
+                         std::uint64_t& lost, std::vector<TickRange>* missing = nullptr,
+                         const std::function<bool()>& stop = {});
 
 /// What copy_recordings takes over, and how.
 struct CopyOptions {
@@ -257,6 +259,9 @@ struct CopyOptions {
   std::uint64_t to = UINT64_MAX;           ///< tick behind the last
   std::optional<Compression> compression;  ///< none: the first input's
   std::string world{};  ///< for RecordingReader::find_world; empty: at best beside the input
+  /// Asked with every tick that is read; may be empty. Once it is true the copy ends with an error, and
+  /// leaves no file.
+  std::function<bool()> stop{};
 };
 struct CopyResult {
   std::uint64_t ticks = 0;
@@ -292,6 +297,7 @@ struct ReplayOptions {
   std::optional<std::uint64_t> trace_tick;
   std::optional<Stage> trace_stage;  ///< this one only; none: all of a given tick, the one that differs
   std::function<void(std::uint64_t done, std::uint64_t all)> progress;  ///< may be empty
+  std::function<bool()> stop{};                                         ///< as that of CopyOptions
 };
 
 struct ReplayResult {
@@ -384,10 +390,8 @@ struct ExportOptions {
   std::vector<int> segments;                   ///< only these segments' columns; empty: all
   std::uint64_t first = 0, last = UINT64_MAX;  ///< tick numbers
   std::uint64_t step = 1;                      ///< every so many ticks, from `first` on
-  bool exact = false;  ///< csv: as many digits as it takes to read the same bits, not six
-  /// Asked with every tick that is read; may be empty. Once it is true the export ends with an error, and
-  /// leaves no file.
-  std::function<bool()> stop;
+  bool exact = false;            ///< csv: as many digits as it takes to read the same bits, not six
+  std::function<bool()> stop{};  ///< as that of CopyOptions
 };
 
 /// Writes to the file `output`, which appears only when it is complete, or to standard output where that is

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
 #include <string>
 
 #include "lumbrical/recording.h"
@@ -15,10 +14,6 @@ inline bool is_chosen(const ExportOptions& options, std::uint64_t tick) {
 
 inline Status check_step(const ExportOptions& options) {
   return options.step > 0 ? Status() : Status::error("ticks: a step of 0 leads nowhere; 1 is every tick");
-}
-
-inline Status check_stop(const std::function<bool()>& stop) {
-  return stop && stop() ? Status::error("stopped before all was exported") : Status();
 }
 
 /// Refuses a choice that `found` none of the ticks that the recording holds.

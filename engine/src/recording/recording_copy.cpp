@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "lumbrical/recording.h"
+#include "recording/check_stop.h"
 #include "recording/mcap_writer.h"
 #include "recording/recorder.h"
 #include "recording/session_message.h"
@@ -32,13 +33,14 @@ Status guess_state(RecordingReader& reader, const Model& model, std::uint64_t be
   return {};
 }
 
-/// Runs the ticks from the state's to `tick_number`; `found` stays as it is where there are none, else tells
-/// whether the state behind them is the recorded one.
-Status run_up_to(RecordingReader& reader, const Model& model, std::uint64_t tick_number, State& state,
+/// Runs the ticks from the state's to the first that is copied; `found` stays as it is where there are none,
+/// else tells whether the state behind them is the recorded one.
+Status run_up_to(RecordingReader& reader, const Model& model, const CopyOptions& options, State& state,
                  bool& found) {
   Scratch scratch = make_scratch(model);
   scratch.hash_stages = false;
-  while (state.tick < tick_number) {
+  while (state.tick < options.from) {
+    if (Status status = check_stop(options.stop); !status.ok()) return status;
     TickRecord record;
     bool end = false;
     if (Status status = reader.next(record, end); !status.ok()) return status;
@@ -67,10 +69,10 @@ Status kept_state(RecordingReader& reader, std::uint64_t begin, std::uint64_t ti
   }
 }
 
-/// From the last state kept before a tick; looked for backwards, a few chunks first.
-Status find_from_kept(RecordingReader& reader, const Model& model, std::uint64_t tick_number, State& state,
+/// From the last state kept before the first tick that is copied; looked for backwards, a few chunks first.
+Status find_from_kept(RecordingReader& reader, const Model& model, const CopyOptions& options, State& state,
                       bool& found) {
-  const std::uint64_t first = reader.info().first_tick;
+  const std::uint64_t first = reader.info().first_tick, tick_number = options.from;
   std::optional<State> kept;
   std::uint64_t begin = tick_number;
   for (std::uint64_t back = 256; !kept && begin > first; back *= 8) {
@@ -82,39 +84,39 @@ Status find_from_kept(RecordingReader& reader, const Model& model, std::uint64_t
   state = std::move(*kept);
   found = true;
   if (Status status = reader.seek(state.tick); !status.ok()) return status;
-  return run_up_to(reader, model, tick_number, state, found);
+  return run_up_to(reader, model, options, state, found);
 }
 
 /// From what is known of ticks that keep no state, more and more of them.
-Status find_from_output(RecordingReader& reader, const Model& model, std::uint64_t tick_number, State& state,
+Status find_from_output(RecordingReader& reader, const Model& model, const CopyOptions& options, State& state,
                         bool& found) {
   const Settings& settings = reader.scene().settings;
   const std::uint64_t first = reader.info().first_tick;
-  const std::uint64_t all = tick_number - first;
+  const std::uint64_t all = options.from - first;
   std::uint64_t back = 2 * static_cast<std::uint64_t>(settings.fade_time * settings.rate) + 8;
   if (!model.apart.empty()) back = all;  // where objects are depends on all ticks before
   for (;; back = back < all / 8 ? 8 * back : all) {
-    const std::uint64_t begin = tick_number - std::min(back, all);
+    const std::uint64_t begin = options.from - std::min(back, all);
     if (Status status = guess_state(reader, model, begin, state); !status.ok()) return status;
     if (state.tick == begin)
-      if (Status status = run_up_to(reader, model, tick_number, state, found); !status.ok()) return status;
+      if (Status status = run_up_to(reader, model, options, state, found); !status.ok()) return status;
     if (found || begin == first) return {};
   }
 }
 
-/// The state before a tick of the recording, which is not its first. It is certain where it is found, for its
-/// hash was recorded.
-Status find_state(RecordingReader& reader, const std::string& world, std::uint64_t tick_number, State& state,
-                  bool& found) {
+/// The state before the first tick that is copied, which is not the recording's first. It is certain where it
+/// is found, for its hash was recorded.
+Status find_state(RecordingReader& reader, const CopyOptions& options, State& state, bool& found) {
   Model model;
   found = false;
-  if (Status status = reader.find_world(world); !status.ok()) return world.empty() ? Status() : status;
+  if (Status status = reader.find_world(options.world); !status.ok())
+    return options.world.empty() ? Status() : status;
   if (!build_model(reader.scene(), {}, model).ok()) return {};       // nor can it be replayed here
   if (!model.apart.empty() || model.settings.proxy_stiffness > 0) {  // else none is kept (recorder.cpp)
-    if (Status status = find_from_kept(reader, model, tick_number, state, found); !status.ok() || found)
+    if (Status status = find_from_kept(reader, model, options, state, found); !status.ok() || found)
       return status;
   }
-  return find_from_output(reader, model, tick_number, state, found);
+  return find_from_output(reader, model, options, state, found);
 }
 
 /// Where a replay of a hand's copied ticks would stand; no tick: one before it is missing.
@@ -160,8 +162,7 @@ Status Copy::initial_state(RecordingReader& reader, std::vector<std::uint8_t>& b
   const RecordingInfo& info = reader.info();
   bool found = state.tick == info.first_tick;
   if (options_.from > info.first_tick && options_.from <= info.last_tick) {
-    if (Status status = find_state(reader, options_.world, options_.from, state, found); !status.ok())
-      return status;
+    if (Status status = find_state(reader, options_, state, found); !status.ok()) return status;
   }
   if (found && state.tick > 0) bytes = encode_state(state);
   if (found) end = {state.tick, hash_state(state)};
@@ -257,6 +258,7 @@ Status Copy::add(const std::string& path, const std::string& output) {
   for (;;) {
     RecordedMessage message;
     bool end = false;
+    if (Status status = check_stop(options_.stop); !status.ok()) return status;
     if (Status status = reader.next_message(message, end); !status.ok()) return status;
     const std::uint64_t tick_number = message.tick;
     if (end || tick_number >= options_.to) return {};

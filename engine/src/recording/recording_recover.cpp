@@ -3,6 +3,7 @@
 // file.
 #include <algorithm>
 #include <array>
+#include <functional>
 #include <map>
 #include <new>
 #include <optional>
@@ -12,6 +13,7 @@
 
 #include "lumbrical/recording.h"
 #include "recording/channels.h"
+#include "recording/check_stop.h"
 #include "recording/mcap_reader.h"
 #include "recording/recorder.h"
 #include "recording/session_message.h"
@@ -117,7 +119,7 @@ class Recovery {
   /// Looks for session, metadata and compression; an error where there is no whole session.
   Status find_session();
   /// Copies the ticks of all whole chunks.
-  Status copy_ticks(const std::string& output);
+  Status copy_ticks(const std::string& output, const std::function<bool()>& stop);
   /// Of both hands together, where there are two.
   [[nodiscard]] std::uint64_t recovered() const;
   /// Of either hand.
@@ -326,7 +328,7 @@ Status Recovery::copy_chunk(McapWriter& writer) {
   return {};
 }
 
-Status Recovery::copy_ticks(const std::string& output) {
+Status Recovery::copy_ticks(const std::string& output, const std::function<bool()>& stop) {
   McapWriter writer;
   McapWriterOptions options;
   options.compression = compression_.value_or(Compression::lz4);
@@ -343,7 +345,8 @@ Status Recovery::copy_ticks(const std::string& output) {
   doubted_ = 0;
   for (std::uint64_t offset = 0; status.ok() && found;) {
     RecordPlace place;
-    status = find_next(file_, offset, place, found);
+    status = check_stop(stop);
+    if (status.ok()) status = find_next(file_, offset, place, found);
     if (!status.ok() || !found) break;
     const bool whole = load(place);
     offset = behind(place, whole);
@@ -381,11 +384,12 @@ std::vector<TickRange> Recovery::missing() const {
 }  // namespace
 
 Status recover_recording(const std::string& path, const std::string& output, std::uint64_t& recovered,
-                         std::uint64_t& lost, std::vector<TickRange>* missing) try {
+                         std::uint64_t& lost, std::vector<TickRange>* missing,
+                         const std::function<bool()>& stop) try {
   Recovery recovery;
   if (Status status = recovery.open(path); !status.ok()) return status;
   if (Status status = recovery.find_session(); !status.ok()) return status;
-  if (Status status = recovery.copy_ticks(output); !status.ok()) return status;
+  if (Status status = recovery.copy_ticks(output, stop); !status.ok()) return status;
   recovered = recovery.recovered();
   lost = 0;
   const std::vector<TickRange> ranges = recovery.missing();

@@ -8,6 +8,7 @@
 
 #include "base/hash.h"
 #include "lumbrical/recording.h"
+#include "recording/check_stop.h"
 #include "recording/record_fields.h"
 #include "recording/replay.h"
 #include "recording/replay_trace.h"
@@ -189,6 +190,7 @@ Status replay_ticks(RecordingReader& reader, const ReplayOptions& options, Repla
   TickRecord recorded;
   while (!result.first_divergence) {
     bool end = false;
+    if (status = check_stop(options.stop); !status.ok()) return status;
     if (status = reader.next(recorded, end); !status.ok()) return status;
     if (end) break;
     if (status = run.tick_of(recorded); !status.ok()) return status;

@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "lumbrical/recording.h"
+#include "recording/check_stop.h"
 #include "recording/record_fields.h"
 #include "recording/replay.h"
 #include "recording/session_message.h"
@@ -180,6 +181,7 @@ Status what_if(RecordingReader& reader, const ReplayOptions& options, WhatIfResu
   TickRecord recorded;
   for (std::uint64_t done = 0;; ++done) {
     bool end = false;
+    if (Status status = check_stop(options.stop); !status.ok()) return status;
     if (Status status = reader.next(recorded, end); !status.ok()) return status;
     if (end) break;
     if (recorded.output.tick != comparison.next_tick())
