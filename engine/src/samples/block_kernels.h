@@ -84,20 +84,50 @@ struct TakenWhole {
 struct BlockClaims {
   unsigned outdone = 0, contested = 0;
 };
-/// Of the blocks in some lanes, by `parts` of the hand.
+/// By how much more or less than at their centres one part may lead over another one within blocks. Fields
+/// are concave, so nowhere above what they are along their slopes, and nowhere farther below that than the
+/// sphere that is nearest at the centre.
+template <class V>
+struct LeadRange {
+  V less, more;
+};
+template <class V>
+inline LeadRange<V> lead_range(const Boxes<V>& boxes, const OtherParts& others, std::size_t leader_part,
+                               std::size_t other_part) {
+  const PartSlope<V> leader = slope_at(others.bodies, leader_part, others.offset, boxes.centre),
+                     other = slope_at(others.bodies, other_part, others.offset, boxes.centre);
+  const Wide3<V> slope = other.away - leader.away;
+  V along = number<V>(2) * (boxes.reach - boxes.radius);
+  for (const Wide3<V>& arm : boxes.arm) along = along + abs(dot(slope, arm));
+  const V twice = boxes.reach + boxes.reach, bent = number<V>(0.5) * (boxes.reach * boxes.reach);
+  const auto is_sure = min(leader.distance, other.distance) > number<V>(0.25) * boxes.reach;
+  const auto within = [&](V distance) {
+    return select(is_sure, min(twice, along + divide(bent, distance)), twice);
+  };
+  return {within(leader.distance), within(other.distance)};
+}
+
+/// Of the blocks in some lanes, which a part of the hand would have, by its rivals.
 template <class V>
 inline BlockClaims claims_of(const BlockRows& rows, const BlockKinds& kinds, const OtherParts& others,
-                             std::uint64_t parts, unsigned lanes) {
+                             std::size_t part, std::uint64_t rivals, unsigned lanes) {
   constexpr auto kCount = static_cast<unsigned>(wide::Lanes<V>::kCount);
   BlockClaims claims;
-  if (parts == 0) return claims;
+  if (rivals == 0) return claims;
   for (unsigned lane = 0; lane < BlockRows::kWidth; lane += kCount) {
-    if ((lanes >> lane & ((1u << kCount) - 1)) == 0) continue;
-    const BodyFields<V> fields(others.bodies, parts, others.offset, vector_at<V>(rows.centre, lane));
-    const V reach = reach_of(get(rows.radius + lane, V{}), others.offset.largest), zero = number<V>(0),
-            lead = fields.first - get(kinds.field + lane, V{}), twice = reach + reach;
-    claims.outdone |= wide::bits_of(lead > twice) << lane;
-    claims.contested |= wide::bits_of(fields.first + reach > zero && lead + twice >= zero) << lane;
+    const unsigned asked = lanes >> lane & ((1u << kCount) - 1);
+    if (asked == 0) continue;
+    const Boxes<V> boxes = boxes_of<V>(rows, lane, others.offset.largest);
+    const V twice = boxes.reach + boxes.reach, zero = number<V>(0), own = get(kinds.field + lane, V{});
+    for_numbers(rivals, [&](std::size_t rival) {
+      const V field = field_at(others.bodies, rival, others.offset, boxes.centre), lead = field - own;
+      const auto is_near = field + boxes.reach > zero && lead + twice >= zero;
+      LeadRange<V> range{twice, twice};
+      if ((wide::bits_of(is_near && lead <= twice) & asked) != 0)
+        range = lead_range(boxes, others, rival, part);
+      claims.outdone |= wide::bits_of(lead > range.less) << lane;
+      claims.contested |= wide::bits_of(is_near && lead + range.more >= zero) << lane;
+    });
   }
   return {claims.outdone & lanes, claims.contested & lanes};
 }
@@ -122,7 +152,8 @@ inline SampleKernels::Sorted part_blocks(const BlockRows& rows, const BlockKinds
   unsigned small = 0, all_outdone = 0;
   for (std::size_t tile = 0; tile < FingerBody::kMostTiles; ++tile) {
     if (small_of[tile] == 0) continue;
-    const auto [outdone, contested] = claims_of<V>(rows, kinds, others, others.of_tile(tile), small_of[tile]);
+    const auto [outdone, contested] = claims_of<V>(
+        rows, kinds, others, others.body * Bodies::kTilesApart + tile, others.of_tile(tile), small_of[tile]);
     all_outdone |= outdone;
     small |= small_of[tile] & (outdone | ~contested);
   }

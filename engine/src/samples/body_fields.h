@@ -42,6 +42,56 @@ struct BodyFields {
   }
 };
 
+template <class V>
+inline V field_at(const Bodies& bodies, std::size_t part, const BodyOffsets& offset, Wide3<V> at) {
+  const Wide3<V> p = at - in_all_lanes<V>(offset[body_of(part)]);
+  return part == palm_number(bodies) ? field_at(bodies.palm, p)
+                                     : field_at(tile_at(bodies.finger.data(), part), p);
+}
+
+/// How far points are from the nearest of the spheres' centres that sweep a part of the hand, and the way
+/// from there, a unit vector: along it the part's field falls.
+template <class V>
+struct PartSlope {
+  V distance;
+  Wide3<V> away;
+};
+template <class V>
+inline PartSlope<V> slope_at(const TileFrame& tile, Wide3<V> at) {
+  const Wide3<V> from = at - in_all_lanes<V>(tile.origin), p = turn_into(tile.axis, from);
+  const TileDepth<V> depth = tile_depth(numbers_of<V>(tile), tile_point(p));
+  const V share = divide(number<V>(1), max(depth.distance, number<V>(1e-9)));
+  return {select(depth.is_end, depth.distance, depth.distance * V(1 / tile.cosine2)),
+          share * away_from(tile, depth, from, p)};
+}
+template <class V>
+inline PartSlope<V> slope_at(const PalmBody& palm, Wide3<V> at) {
+  const Wide3<V> p = turn_into(palm.axis, at);
+  const V zero = number<V>(0);
+  V out = number<V>(-1e30), square = number<V>(1e30), x = zero, y = zero;
+  for (std::size_t k = 0; k < palm.corner_count; ++k) {
+    const PalmEdge& edge = palm.edge[k];
+    const FromEdge<V> from = from_edge(edge, p);
+    const auto is_nearer = from.square < square;
+    x = select(is_nearer, from.beside * V(edge.out_x) - from.past * V(edge.out_y), x);
+    y = select(is_nearer, from.beside * V(edge.out_y) + from.past * V(edge.out_x), y);
+    square = min(square, from.square);
+    out = max(out, from.beside);
+  }
+  x = select(out > zero, x, zero);
+  y = select(out > zero, y, zero);
+  const V distance = sqrt(p.z * p.z + (x * x + y * y)),
+          share = divide(number<V>(1), max(distance, number<V>(1e-9)));
+  return {distance, share * (x * in_all_lanes<V>(palm.axis[0]) +
+                             (y * in_all_lanes<V>(palm.axis[1]) + p.z * in_all_lanes<V>(palm.axis[2])))};
+}
+template <class V>
+inline PartSlope<V> slope_at(const Bodies& bodies, std::size_t part, const BodyOffsets& offset, Wide3<V> at) {
+  const Wide3<V> p = at - in_all_lanes<V>(offset[body_of(part)]);
+  return part == palm_number(bodies) ? slope_at(bodies.palm, p)
+                                     : slope_at(tile_at(bodies.finger.data(), part), p);
+}
+
 /// Of a block's patches those of which each body is felt nothing, since another is deeper throughout: a bit
 /// per lane.
 template <class V>

@@ -108,6 +108,16 @@ inline V key_of(const Kinds<V>& kinds, V size) {
                 number<V>(-1));
 }
 
+/// The way a tile's field falls at points, as long as their `distance`; `from` its frame's origin, and `p` in
+/// that frame.
+template <class V>
+LUMBRICAL_INLINE inline Wide3<V> away_from(const TileFrame& frame, const TileDepth<V>& depth, Wide3<V> from,
+                                           Wide3<V> p) {
+  const V across = select(depth.is_end, number<V>(1), V(frame.cosine2)),
+          along = select(depth.is_end, depth.axial, V(frame.sine) * depth.distance) - across * p.x;
+  return across * from + along * in_all_lanes<V>(frame.axis[0]);
+}
+
 /// What a tile has to do with patches: its field at their centroids, kNowhere where it does not meet them,
 /// and their place along it, whether its skeleton comes near (1), and the kind they are if they meet no
 /// other.
@@ -125,16 +135,13 @@ LUMBRICAL_INLINE inline TileView<V> view_tile(const TileFrame& frame, std::uint3
   const TileNumbers<V> tile = numbers_of<V>(frame);
   const Wide3<V> from = discs.centre - in_all_lanes<V>(frame.origin), p = turn_into(frame.axis, from);
   const TilePoint<V> point = tile_point(p);
-  const auto [level, distance, is_end, axial] = tile_depth(tile, point);
-  const V field = level - distance, reach = discs.reach;
+  const TileDepth<V> depth = tile_depth(tile, point);
+  const V distance = depth.distance, field = depth.level - distance, reach = discs.reach;
   const V zero = number<V>(0);
   if (!any(field + reach > zero)) return not_met<V>();
   const V place = place_on(tile, point), end = tile.cosine * tile.length;
-  // The way the field falls, as long as `distance`.
-  const V across = select(is_end, number<V>(1), tile.cosine2),
-          along = select(is_end, axial, tile.sine * distance) - across * p.x;
-  const Wide3<V> away = across * from + along * in_all_lanes<V>(frame.axis[0]);
-  const auto meets = field + reach > zero && is_not(is_outside(discs, field, distance, away));
+  const auto meets =
+      field + reach > zero && is_not(is_outside(discs, field, distance, away_from(frame, depth, from, p)));
   const auto is_near = distance < number<V>(kSkeletonReach) * reach;
   const auto id = [k](std::uint32_t part) { return number<V>(part + k); };
   V kind = id(kind::kTile);

@@ -5,18 +5,18 @@
 
 namespace lumbrical::LUMBRICAL_ISA {
 
-/// How far a point of the polygon's plane is beyond the line of an edge, and the square of how far from the
-/// edge.
+/// How far a point of the polygon's plane is beyond the line of an edge, and past the edge along it; and the
+/// square of how far from the edge.
 template <class V>
 struct FromEdge {
-  V beside, square;
+  V beside, past, square;
 };
 template <class V>
 LUMBRICAL_INLINE inline FromEdge<V> from_edge(const PalmEdge& edge, Wide3<V> p) {
   const V x = p.x - V(edge.x), y = p.y - V(edge.y);
   const V beside = V(edge.out_x) * x + V(edge.out_y) * y, along = V(edge.out_x) * y - V(edge.out_y) * x;
   const V past = along - clamp(along, number<V>(0), V(edge.length));
-  return {beside, beside * beside + past * past};
+  return {beside, past, beside * beside + past * past};
 }
 
 /// phi where the farthest of the edges is `out` away and the nearest sqrt(square).
