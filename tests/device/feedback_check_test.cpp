@@ -108,6 +108,24 @@ TEST_F(FeedbackCheck, AnAngleThatTorquesDoNotMoveIsStuckUntilItMoves) {
   EXPECT_TRUE(believed());
 }
 
+// What it says in between is no move.
+TEST_F(FeedbackCheck, AnAngleThatIsStuckStaysSoOverOneThatCannotBe) {
+  feedback.angle[kIndex] = 0.7f;
+  for (int i = 0; i < 300; ++i) look();
+  ASSERT_EQ(push(300), kAngleStuck);
+  feedback.acted[3] = 0;
+  for (int i = 0; i < 1000; ++i) look();
+  feedback.valid = all & ~(1u << kIndex);
+  check_feedback(profile, feedback, memory);
+  EXPECT_EQ(feedback.flags, kAngleOutOfRange);
+  feedback.angle[kIndex] = 3;
+  EXPECT_EQ(look(), kAngleJumped);
+  feedback.angle[kIndex] = 0.7f;
+  EXPECT_EQ(look(), kAngleStuck);
+  feedback.angle[kIndex] = 0.7005f;
+  EXPECT_EQ(look(), 0u);
+}
+
 TEST_F(FeedbackCheck, AnAngleAtRestUnderASteadyTorqueIsNotStuck) {
   feedback.angle[kIndex] = 0.7f;
   for (int i = 0; i < 5000; ++i) {

@@ -70,12 +70,7 @@ void remember_torque(double torque, float angle, std::int64_t now, AngleMemory& 
   memory.newer = {min(memory.newer.low, torque), max(memory.newer.high, torque)};
 }
 
-// Once stuck it is so until it moves: without torques, which end with the doubt, it would be believed again.
-bool stays_stuck(float angle, const AngleMemory& memory) {
-  return memory.doubt == kAngleStuck && angle == memory.still;
-}
-
-bool is_stuck(const JointDynamics& joint, double span, std::int64_t now, const AngleMemory& memory) {
+bool is_held(const JointDynamics& joint, double span, std::int64_t now, const AngleMemory& memory) {
   const double low = min(memory.newer.low, memory.older.low),
                high = max(memory.newer.high, memory.older.high);
   const bool still = in_seconds(now - memory.since) >= kStillTime;
@@ -99,13 +94,16 @@ void check_feedback(const DeviceProfile& profile, DeviceFeedback& feedback, Feed
       feedback.angle[a] = memory[a].believed;
       continue;
     }
-    const bool stuck = stays_stuck(feedback.angle[a], memory[a]);
     believe(feedback.angle[a], feedback.asked, memory[a]);
     if (!is_flexion(sensor)) continue;
+    // Once stuck it is so until it moves: without torques, which end with the doubt, it would be believed
+    // again.
+    const bool stays_stuck = memory[a].stuck && feedback.angle[a] == memory[a].still;
     const JointTorque torque = torque_about(profile, feedback.acted, joint);
     remember_torque(moving_torque(torque.now, feedback.angle[a], memory[a]), feedback.angle[a], feedback.time,
                     memory[a]);
-    if (stuck || is_stuck(dynamics, torque.span, feedback.time, memory[a])) {
+    memory[a].stuck = stays_stuck || is_held(dynamics, torque.span, feedback.time, memory[a]);
+    if (memory[a].stuck) {
       feedback.flags |= memory[a].doubt = kAngleStuck;
       feedback.valid &= ~bit;
     }

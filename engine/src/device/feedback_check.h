@@ -27,6 +27,7 @@ struct AngleMemory {
   std::int64_t since = 0;     ///< since then; 0: none yet
   TorqueRange newer, older;   ///< torques that moved nothing: in the last kStillTime at most, and before
   std::int64_t turned = 0;    ///< when `newer` began
+  bool stuck = false;         ///< at `still`, until it moves
   std::uint32_t doubt = 0;    ///< DeviceFlag: why the newest one is not believed; 0: it is
 };
 using FeedbackMemory = std::array<AngleMemory, kAngleCount>;
