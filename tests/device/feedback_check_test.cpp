@@ -126,6 +126,17 @@ TEST_F(FeedbackCheck, AnAngleThatIsStuckStaysSoOverOneThatCannotBe) {
   EXPECT_EQ(look(), 0u);
 }
 
+// A cable that is out for long: by what let go in the meantime the finger may have been moved and moved back.
+TEST_F(FeedbackCheck, AnAngleThatIsTheSameAfterALongSilenceIsNotStuck) {
+  feedback.angle[kIndex] = 0.7f;
+  feedback.acted[3] = 0.3;
+  for (int i = 0; i < 1000; ++i) ASSERT_EQ(look(), 0u);
+  feedback.time += 2000 * kMillisecond;
+  feedback.acted[3] = 0;
+  EXPECT_EQ(look(), 0u);
+  EXPECT_EQ(push(500), kAngleStuck) << "from now on it is looked at again";
+}
+
 TEST_F(FeedbackCheck, AnAngleAtRestUnderASteadyTorqueIsNotStuck) {
   feedback.angle[kIndex] = 0.7f;
   for (int i = 0; i < 5000; ++i) {

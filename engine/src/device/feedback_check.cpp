@@ -61,9 +61,10 @@ void remember_torque(double torque, float angle, std::int64_t now, AngleMemory& 
     memory.still = angle;
     memory.since = now;
   }
-  if (moves || in_seconds(now - memory.turned) >= kStillTime) {
+  const double age = in_seconds(now - memory.turned);  // longer than twice as long ago after a silence
+  if (moves || age >= kStillTime) {
     const TorqueRange only{torque, torque};
-    memory.older = moves ? only : memory.newer;
+    memory.older = moves || age >= 2 * kStillTime ? only : memory.newer;
     memory.newer = only;
     memory.turned = now;
   }
