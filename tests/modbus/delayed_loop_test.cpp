@@ -250,20 +250,23 @@ TEST(DelayedLoop, LetsGoOfATorqueWithoutAKickWhenTheBusBecomesSlow) {
 // Opens and closes once.
 double swing(int tick) { return 0.7 + 0.6 * std::cos(0.00628 * tick); }
 
-// A free hand whose joints have these angles, with the same commands acting all the while; in the middle the
-// device is silent for some seconds.
+// A free hand whose joints have these angles, with the same commands acting all the while; in the middle
+// there is no tick for some seconds, in which the device is silent or not.
 HapticLoop move_freely(const Sweep& sweep, const DeviceProfile& profile, double command,
-                       const std::function<double(int)>& angle = swing, int silence = 0) {
+                       const std::function<double(int)>& angle = swing, int pause = 0, bool silent = false) {
   HapticLoop loop = start_loop(profile, {});
   State state;
   Scratch scratch = make_scratch(sweep.model);
   DeviceFrame frame = resample(mug_grasp(sweep.model, 10), 0);
   frame.base.position.x += 1;
   certify_loop(loop);
+  std::int64_t held_since = 0;
   for (int i = 0; i <= 1000; ++i) {
     DeviceFeedback said;
-    said.asked = i * 1'000'000 + (i > 500 ? silence : 0) * 1'000'000'000ll;
+    said.asked = i * 1'000'000 + (i > 500 ? pause : 0) * 1'000'000'000ll;
     said.time = said.asked + 500'000;
+    if (i == 501 && silent) held_since = said.time;
+    said.held_since = held_since;
     said.valid = (1u << kAngleCount) - 1;
     said.angle.fill(static_cast<float>(angle(i)));
     said.acted.fill(command);
@@ -288,8 +291,17 @@ TEST(DelayedLoop, CountsNoEnergyOfWiresThatOnlyHoldTheirPreload) {
 TEST(DelayedLoop, CountsNoEnergyOverATimeInWhichTheDeviceIsSilent) {
   const Sweep sweep;
   const auto opens = [](int tick) { return tick > 500 ? 0.3 : 0.9; };
-  const HapticLoop loop = move_freely(sweep, sweep.profile, 0.3, opens, 1);
+  const HapticLoop loop = move_freely(sweep, sweep.profile, 0.3, opens, 1, true);
   for (const EnergyAccount& account : loop.account) EXPECT_EQ(account.generated, 0);
+}
+
+// Ticks that are farther apart than that, and a device that holds its command all the while.
+TEST(DelayedLoop, CountsTheEnergyOfTicksThatAreFarApart) {
+  const Sweep sweep;
+  const auto opens = [](int tick) { return tick > 500 ? 0.3 : 0.9; };
+  const HapticLoop loop = move_freely(sweep, sweep.profile, 0.3, opens, 1);
+  for (const EnergyAccount& account : loop.account)
+    EXPECT_NEAR(account.generated, 3 * 0.3 * 0.6, 0.05) << "but for what damping took";
 }
 
 DeviceProfile brakes_with(double arm) {

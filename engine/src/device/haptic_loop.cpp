@@ -264,8 +264,8 @@ void take_feedback(const DeviceFeedback& feedback, HapticLoop& loop) {
   // Between the two moments of reading lies one of these; where they differ, the longer one counts.
   const double between =
       in_seconds(std::max(feedback.asked - loop.feedback.asked, feedback.time - loop.feedback.time));
-  // A device that was silent for so long has let go, nobody knows when: the way meanwhile took no energy.
-  const bool goes_on = loop.any_feedback && between <= loop.profile.safety.answer_timeout;
+  // A device that has let go did so nobody knows when: the way meanwhile took no energy.
+  const bool goes_on = loop.any_feedback && feedback.held_since <= loop.feedback.time;
   loop.between = goes_on ? between : 0;
   if (!goes_on) loop.arm = {};
   for (std::size_t j = 0; j < kPhalanxCount; ++j) {

@@ -255,11 +255,15 @@ void DeviceSink::Worker::take_feedback(std::int64_t now) {
   const std::uint16_t echo = answer.status.echo;
   if (had_let_go || echo != last_echo) last_echo_change = now;
   last_echo = echo;
-  if (had_let_go) acting = start_safety(profile).output;
+  if (had_let_go) {
+    held_since = now;
+    acting = start_safety(profile).output;
+  }
   if (profile.sensors.empty()) return;
   DeviceFeedback feedback;
   feedback.asked = asked_at;
   feedback.time = now;
+  feedback.held_since = held_since;
   feedback.acted = std::exchange(acting, commanded);
   take_angles(feedback);
   check_feedback(profile, feedback, feedback_memory);

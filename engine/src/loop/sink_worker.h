@@ -57,7 +57,8 @@ struct DeviceSink::Worker {
   double lost_answered = 0;  // when the device answered last, or time was counted although it did not
   double retry = 0;
   bool connected = false, handshaken = false;
-  bool has_answered = false;  // on this connection: the device there may be another than before
+  std::int64_t held_since = 0;  // when the device answered first since it has let go last
+  bool has_answered = false;    // on this connection: the device there may be another than before
   WireAnswer answer;
   FeedbackMemory feedback_memory{};
   bool standing = false;  // what was sent in the cycle before was acknowledged on this connection
