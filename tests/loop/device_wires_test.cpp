@@ -372,6 +372,28 @@ TEST(SharedMemoryWire, TellsARegionThatWasMadeAnewFromADeviceThatIsSilent) {
   EXPECT_NE(result.text.find("was made anew, or removed"), std::string::npos) << result.text;
 }
 
+// A device that was started again beside one that lives on: forces would go to the old one.
+TEST(SharedMemoryWire, NoticesARegionThatWasMadeAnewThoughTheOldOneIsStillAnswered) {
+  DeviceProfile profile = device_of(TransportKind::memory);
+  profile.transport.region = test::own_region("beside");
+  std::unique_ptr<DeviceWire> wire;
+  ASSERT_TRUE(make_shared_memory_wire(profile, wire).ok());
+  const SharedDevice old(profile.transport.region);
+  ASSERT_TRUE(wire->open().ok());
+  WireAnswer answer;
+  ASSERT_TRUE(wire->exchange({1, {}, {}}, answer).ok());
+  const SharedDevice anew(profile.transport.region);
+  SafetyOutput force;
+  force.command[kIndex] = 0.1;
+  const WireResult result = wire->exchange({2, force, {}}, answer);
+  EXPECT_EQ(result.outcome, WireOutcome::broken);
+  EXPECT_NE(result.text.find("was made anew, or removed"), std::string::npos) << result.text;
+  EXPECT_EQ(old.value, 0);
+  ASSERT_TRUE(wire->open().ok());
+  EXPECT_TRUE(wire->exchange({3, force, {}}, answer).ok());
+  EXPECT_EQ(anew.value, 0.1);
+}
+
 TEST(SharedMemoryWire, IsOfOneSessionAtATime) {
   DeviceProfile profile = device_of(TransportKind::memory);
   profile.transport.region = test::own_region("one");

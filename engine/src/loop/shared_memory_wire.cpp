@@ -55,7 +55,7 @@ class SharedMemoryWire final : public DeviceWire {
   }
   std::string take_region();
   [[nodiscard]] bool is_gone() const;
-  [[nodiscard]] WireResult missed() const;
+  [[nodiscard]] WireResult gone() const;
   bool take_answer(std::uint64_t cycle, WireAnswer& answer) const;
 
   DeviceProfile profile_;
@@ -91,16 +91,10 @@ std::string SharedMemoryWire::take_region() {
   return known ? "" : "is no region of lumbrical/shared_device.h, or not ready";
 }
 
-// A device that was started again has made another region of that name.
+// A device that was started again has unlinked it and made another one.
 bool SharedMemoryWire::is_gone() const {
   struct stat ours {};
-  struct stat there {};
-  const int now = shm_open(profile_.transport.region.c_str(), O_RDONLY | O_CLOEXEC, 0);
-  if (now < 0) return errno == ENOENT;
-  const bool same = fstat(now, &there) == 0 && fstat(file_, &ours) == 0 && there.st_ino == ours.st_ino &&
-                    there.st_dev == ours.st_dev;
-  ::close(now);
-  return !same;
+  return fstat(file_, &ours) != 0 || ours.st_nlink == 0;
 }
 
 WireResult SharedMemoryWire::exchange(const WireCommand& command, WireAnswer& answer) {
@@ -116,19 +110,20 @@ WireResult SharedMemoryWire::exchange(const WireCommand& command, WireAnswer& an
     told.stiffness[i] = local.stiffness;
     told.radius[i] = local.radius;
   }
+  if (is_gone()) return gone();
   answer.asked = steady_ns();
   lumbrical_shared_write(&region_->command_turn, region_->command, &told, sizeof told);
   while (!take_answer(command.cycle, answer)) {
-    if (in_seconds(steady_ns() - answer.asked) > patience.limit()) return missed();
+    if (is_gone()) return gone();
+    if (in_seconds(steady_ns() - answer.asked) > patience.limit())
+      return {WireOutcome::missed, "no answer in " + profile_.transport.region};
     nanosleep(&kGlance, nullptr);
   }
   return {};
 }
 
-WireResult SharedMemoryWire::missed() const {
-  const std::string& name = profile_.transport.region;
-  if (is_gone()) return {WireOutcome::broken, name + " was made anew, or removed"};
-  return {WireOutcome::missed, "no answer in " + name};
+WireResult SharedMemoryWire::gone() const {
+  return {WireOutcome::broken, profile_.transport.region + " was made anew, or removed"};
 }
 
 bool SharedMemoryWire::take_answer(std::uint64_t cycle, WireAnswer& answer) const {
