@@ -24,6 +24,15 @@ TEST(ExchangeWords, WriteTheRobotiqGrippersRegisters) {
   EXPECT_EQ(words.written, (std::vector<std::uint16_t>{0x0100, 0xFF00})) << "the speed is the handshake's";
 }
 
+// A device that refuses another part holds what it has for as long as the heartbeat goes on.
+TEST(ExchangeWords, TheHeartbeatIsWrittenLast) {
+  DeviceProfile profile = test::shipped_profile("exoskeleton");
+  profile.actuators[0].field.address = 50;
+  profile.actuators[1].field.unit = 2;
+  const ExchangeWords words(profile);
+  EXPECT_EQ(words.plan.writes, (std::vector<RegisterBlock>{{1, 4, 13}, {1, 50, 1}, {2, 3, 1}, {1, 0, 2}}));
+}
+
 TEST(ExchangeWords, WriteAndReadTheInspireHandsRegisters) {
   const DeviceProfile profile = test::shipped_profile("inspire_rh56");
   ExchangeWords words(profile);

@@ -5,8 +5,11 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <atomic>
+#include <memory>
 #include <string>
 #include <thread>
+#include <utility>
 
 #include "lumbrical/device.h"
 #include "modbus_loop.h"
@@ -213,6 +216,34 @@ TEST_F(ModbusLoop, TheHostsEmergencyStopWorksFromAnywhere) {
   EXPECT_TRUE(rests());
   EXPECT_TRUE(eventually([&] { return sink.sink.is_safe(); }));
   EXPECT_EQ(sink.sink.report().state, SafetyState::fault);
+}
+
+// As long as its heartbeat went on it would hold what it has where it takes nothing any more.
+TEST(ModbusWire, ADeviceThatRefusesAPartOfItsCommandsHearsTheOthersButNoHeartbeat) {
+  DeviceProfile profile = test::patient_profile();
+  profile.actuators[14].field.address = 40;
+  SimulatedDevice device(profile, {});
+  profile.actuators[0].field.address = 30;  // where the device has no register
+  ModbusServer server;
+  ASSERT_TRUE(server.listen("127.0.0.1", 0).ok());
+  profile.transport.port = server.port();
+  ServerFaults faults;
+  std::atomic<bool> ending{false};
+  std::thread serving([&] { server.serve(device, faults, [&] { return ending.load(); }); });
+  std::unique_ptr<DeviceWire> wire;
+  EXPECT_TRUE(make_modbus_wire(profile, wire).ok());
+  EXPECT_TRUE(wire->open().ok());
+  SafetyOutput output;
+  output.command.fill(0.1);
+  WireAnswer answer;
+  EXPECT_EQ(wire->exchange({7, output, {}}, answer).outcome, WireOutcome::refused);
+  ending = true;
+  serving.join();
+  std::array<std::uint16_t, 1> word{};
+  for (const auto& [address, value] : {std::pair(3, 1000), {40, 1000}, {1, 0}}) {
+    EXPECT_EQ(device.read(1, static_cast<std::uint16_t>(address), word), 0);
+    EXPECT_EQ(word[0], value) << address;
+  }
 }
 
 }  // namespace

@@ -198,6 +198,7 @@ inline constexpr int kMaxExchangeRegisters = 121;  ///< written by FC23
 inline constexpr int kMaxReadRegisters = 125;      ///< FC3, FC4
 
 /// What one cycle writes and reads. Written blocks have no gaps: a register no one named is never written.
+/// That of the heartbeat is the last one: it says that all others were taken.
 /// Read blocks may span up to 16 registers that no one asked for.
 struct ExchangePlan {
   std::vector<RegisterBlock> writes, reads;

@@ -62,6 +62,10 @@ std::vector<Span> spans_of(const std::vector<NamedField>& fields) {
   return apart;
 }
 
+bool holds(const RegisterBlock& block, std::uint8_t unit, int address) {
+  return unit == block.unit && address >= block.address && address < block.address + block.count;
+}
+
 std::vector<RegisterBlock> blocks_of(const std::vector<NamedField>& fields, int widest_gap, int most) {
   std::vector<RegisterBlock> blocks;
   for (const Span& span : spans_of(fields)) {
@@ -133,12 +137,9 @@ void set_unit(DeviceProfile& profile, std::uint8_t unit) {
 }
 
 std::string name_registers(const DeviceProfile& profile, const RegisterBlock& block) {
-  const auto inside = [&block](std::uint8_t unit, int address) {
-    return unit == block.unit && address >= block.address && address < block.address + block.count;
-  };
   std::map<int, std::string> names;  // by address
   const auto add = [&](std::uint8_t unit, int address, const std::string& name) {
-    if (inside(unit, address)) names.try_emplace(address, name);
+    if (holds(block, unit, address)) names.try_emplace(address, name);
   };
   for (const Actuator& actuator : profile.actuators) {
     add(actuator.field.unit, actuator.field.address, actuator.name);
@@ -173,6 +174,10 @@ ExchangePlan plan_exchange(const DeviceProfile& profile) {
                     plan.writes[0].unit == plan.reads[0].unit && profile.read_function == 3;
   }
   if (!plan.combined) plan.writes = blocks_of(written, 0, kMaxWriteRegisters);
+  const Heartbeat& beat = profile.heartbeat;
+  std::stable_partition(plan.writes.begin(), plan.writes.end(), [&beat](const RegisterBlock& block) {
+    return !(beat.present && holds(block, beat.unit, beat.address));
+  });
   return plan;
 }
 

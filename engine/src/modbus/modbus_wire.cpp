@@ -33,6 +33,7 @@ class ModbusWire final : public DeviceWire {
     link_.patience.hurried = patience.hurried;
   }
   WireResult told(const LinkResult& result, const char* doing, const RegisterBlock& block) const;
+  WireResult write_commands();
   WireResult transfer(WireAnswer& answer);
 
   DeviceProfile profile_;
@@ -116,19 +117,30 @@ WireResult ModbusWire::exchange(const WireCommand& command, WireAnswer& answer) 
   return result;
 }
 
+// A device that refuses a part of its commands may hold a force there: it is told the others, but no
+// heartbeat, so that its watchdog lets go.
+WireResult ModbusWire::write_commands() {
+  WireResult refused;
+  std::size_t at = 0;
+  for (const RegisterBlock& block : words_.plan.writes) {
+    const bool beats = profile_.heartbeat.present && &block == &words_.plan.writes.back();
+    if (beats && !refused.ok()) break;
+    WireResult result = told(link_.write(block, words_.written.data() + at), "writing", block);
+    if (result.outcome == WireOutcome::broken) return result;
+    if (!result.ok()) refused = std::move(result);
+    at += block.count;
+  }
+  return refused;
+}
+
 WireResult ModbusWire::transfer(WireAnswer& answer) {
   const ExchangePlan& plan = words_.plan;
   answer.asked = steady_ns();
   if (plan.combined)
     return told(link_.exchange(plan.writes[0], words_.written.data(), plan.reads[0], words_.read.data()),
                 "writing", plan.writes[0]);
+  if (WireResult result = write_commands(); !result.ok()) return result;
   std::size_t at = 0;
-  for (const RegisterBlock& block : plan.writes) {
-    WireResult result = told(link_.write(block, words_.written.data() + at), "writing", block);
-    if (!result.ok()) return result;
-    at += block.count;
-  }
-  at = 0;
   answer.asked = steady_ns();
   for (const RegisterBlock& block : plan.reads) {
     const LinkResult read = link_.read(profile_.read_function, block, words_.read.data() + at);
