@@ -223,6 +223,22 @@ TEST_F(DeviceLoopTest, NamesTheJointWhoseAngleIsNotBelieved) {
   EXPECT_TRUE(tells("angle of index proximal jumps farther")) << log;
 }
 
+// A sensor that was dead from the start says the same: only a finger that has moved tells the two apart.
+TEST_F(DeviceLoopTest, ToldThatAnAngleIsStuckAFingerAtItsStopKnowsWhatToDo) {
+  for (Actuator& actuator : profile.actuators) {
+    actuator.lower = -0.02;
+    actuator.upper = 0.02;
+  }
+  for (JointDynamics& joint : profile.dynamics) joint.friction = 0;
+  open(false, false);
+  std::string log;
+  EXPECT_TRUE(steps_until([&] {
+    for (const SinkEvent& event : loop.sink.events()) log += event.text + "\n";
+    return log.find("must move it; if it stands at its stop, bend it once by half a radian") !=
+           std::string::npos;
+  })) << log;
+}
+
 TEST_F(DeviceLoopTest, ADisarmEndsAnArmingThatStillWaitsForTheDevice) {
   device.ready = false;
   open();

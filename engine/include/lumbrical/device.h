@@ -40,7 +40,7 @@ enum DeviceFlag : std::uint32_t {
   // Why a device's angles were not believed; kTrackingLost stands beside them.
   kAngleOutOfRange = 1u << 2,  ///< outside its sensor's lower .. upper
   kAngleJumped = 1u << 3,      ///< farther than a finger can move in the time
-  kAngleStuck = 1u << 4,       ///< not moved by torques that must have moved it
+  kAngleStuck = 1u << 4,       ///< not moved by torques that must have moved it; at its stop, bend it once
 };
 
 /// What the device says. Recorded as received; replay needs nothing else.

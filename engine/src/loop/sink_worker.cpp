@@ -225,7 +225,9 @@ void DeviceSink::Worker::tell_doubts(const DeviceFeedback& feedback) {
   for (const auto& [flag, what] :
        {std::pair<std::uint32_t, const char*>(kAngleOutOfRange, " out of its range"),
         {kAngleJumped, " jumps farther than a finger can move"},
-        {kAngleStuck, " is not moved by torques that must move it"}}) {
+        {kAngleStuck,
+         " is not moved by torques that must move it; if it stands at its stop, bend it once by half a "
+         "radian"}}) {
     if ((news & flag) == 0) continue;
     const auto sensor = std::find_if(
         profile.sensors.begin(), profile.sensors.end(), [this, reason = flag](const Sensor& one) {
