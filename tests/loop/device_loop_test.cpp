@@ -26,12 +26,13 @@ struct HeldDevice {
   ActuatorArray value{};
   std::array<float, kAngleCount> off{};  // [rad] from kAngle
   bool on = false, there = true, held = true, ready = true;
-  bool cuts = false;    // the next exchange
-  double missing = 0;   // [s] that the next exchange waits for an answer in vain
-  double greeting = 0;  // [s] before the next commands
-  bool silent = false;  // takes connections and commands, and answers none
-  bool echoes = false;  // each heartbeat
-  bool busy = false;    // the next answer repeats the last heartbeat once more
+  bool cuts = false;     // the next exchange
+  double missing = 0;    // [s] that the next exchange waits for an answer in vain
+  double answering = 0;  // [s] that the next answer takes once the command is there
+  double greeting = 0;   // [s] before the next commands
+  bool silent = false;   // takes connections and commands, and answers none
+  bool echoes = false;   // each heartbeat
+  bool busy = false;     // the next answer repeats the last heartbeat once more
   std::uint16_t echo = 0;
   std::function<void()> while_connecting = [] {};
   int exchanges = 0, connections = 0, unanswered = 0;
@@ -66,6 +67,7 @@ class HeldWire final : public DeviceWire {
     ++device_.exchanges;
     device_.value = command.output.command;
     device_.on = command.output.device_on;
+    sleep_for(std::exchange(device_.answering, 0));
     answer.status.ready = device_.ready;
     answer.status.echoes = device_.echoes;
     if (!std::exchange(device_.busy, false)) ++device_.echo;
@@ -316,6 +318,20 @@ TEST_F(DeviceLoopTest, WhatActedBeforeALongSilenceIsGoneAfterIt) {
     device.greeting = 0;
   }
   EXPECT_TRUE(steps_until([&] { return told() > 0.02; })) << "and comes back";
+}
+
+// Its watchdog counts from the last command, not from when the answer to that has come.
+TEST_F(DeviceLoopTest, WhatActedBeforeALateAnswerAndALostOneIsGoneAfterThem) {
+  profile.safety.answer_timeout = 0.1;
+  for (Actuator& actuator : profile.actuators) actuator.slew = 0.1;
+  open(false, false);
+  ASSERT_TRUE(steps_until([&] { return told() > 0.02; }));
+  device.answering = 0.06;
+  ASSERT_TRUE(exchanges(1));
+  device.missing = 0.06;
+  ASSERT_TRUE(exchanges(1));
+  EXPECT_EQ(told(), 0);
+  EXPECT_FALSE(device.on);
 }
 
 // It may be another one, or one that was switched on again: what it has not been told yet does not act.

@@ -144,8 +144,8 @@ struct SafetyTimes {
   double soft_start = 0.5;    ///< from zero to full output after arming, 0 .. 60
   double tick_hold = 0.005;   ///< no new tick for longer: the output fades, 0.0001 .. 1, tick_timeout at most
   double tick_timeout = 0.1;  ///< no new tick for longer: fault, 0.001 .. 10
-  /// Nothing acknowledged for longer: disconnected. No longer than the device's own watchdog holds a force.
-  /// 0.001 .. 10
+  /// The newest command acknowledged was sent longer ago: disconnected. No longer than the device's own
+  /// watchdog holds a force, 0.001 .. 10.
   double answer_timeout = 0.1;
 };
 

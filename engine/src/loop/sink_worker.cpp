@@ -128,9 +128,10 @@ void DeviceSink::Worker::await_tick() {
   }
 }
 
-// For so long that a device has let go by itself.
+// For so long that a device has let go by itself: its watchdog counts from its last command, not from the
+// answer to that.
 bool DeviceSink::Worker::silent(std::int64_t now) const {
-  return last_answer == 0 || in_seconds(now - last_answer) > profile.safety.answer_timeout;
+  return told_at == 0 || in_seconds(now - told_at) > profile.safety.answer_timeout;
 }
 
 SafetyOutput DeviceSink::Worker::decide(std::int64_t now) {
@@ -252,8 +253,8 @@ void DeviceSink::Worker::take_angles(DeviceFeedback& feedback) const {
   }
 }
 
-void DeviceSink::Worker::take_feedback(std::int64_t now) {
-  const bool had_let_go = !has_answered || silent(now);
+void DeviceSink::Worker::take_feedback(std::int64_t sent, std::int64_t now) {
+  const bool had_let_go = !has_answered || silent(sent);
   const std::uint16_t echo = answer.status.echo;
   if (had_let_go || echo != last_echo) last_echo_change = now;
   last_echo = echo;
@@ -312,7 +313,7 @@ void DeviceSink::Worker::count(bool acknowledged, std::int64_t now) {
   report.cycles = cycle_count;
   report.acknowledged += acknowledged ? 1 : 0;
   report.state = safety.state;
-  report.age = last_answer != 0 ? in_seconds(now - last_answer) : std::numeric_limits<double>::infinity();
+  report.age = told_at != 0 ? in_seconds(now - told_at) : std::numeric_limits<double>::infinity();
   const std::int64_t span = now - rate_start[0];
   if (span > 0) report.rate = static_cast<double>(report.acknowledged - rate_count[0]) / in_seconds(span);
 }
@@ -328,8 +329,8 @@ bool DeviceSink::Worker::exchange_and_note(const SafetyOutput& output) {
   const std::int64_t now = steady_ns();
   if (acknowledged) {
     exchange = in_seconds(now - sent);
-    take_feedback(now);
-    last_answer = now;
+    take_feedback(sent, now);
+    told_at = sent;
     lost_answered = running.lost;
     has_answered = true;
     retry = 0;

@@ -49,9 +49,9 @@ struct DeviceSink::Worker {
   bool arms_when_ready;         // kArmWhenReady that waits
   std::int64_t next_cycle = 0;  // when it is due
   std::int64_t opened = 0, last_step = 0, next_try = 0, last_echo_change = 0;
-  std::int64_t last_answer = 0;  // 0: none yet
-  std::int64_t asked_at = 0;     // when the request for the newest angles left
-  double exchange = 0;           // [s] the last one acknowledged
+  std::int64_t told_at = 0;   // when the newest command left that was acknowledged; 0: none yet
+  std::int64_t asked_at = 0;  // when the request for the newest angles left
+  double exchange = 0;        // [s] the last one acknowledged
   RunningTime running;
   RunningAge age;            // of the newest command
   double lost_answered = 0;  // when the device answered last, or time was counted although it did not
@@ -112,7 +112,7 @@ struct DeviceSink::Worker {
   bool exchange_and_note(const SafetyOutput& output);
   void tell_doubts(const DeviceFeedback& feedback);
   void take_angles(DeviceFeedback& feedback) const;
-  void take_feedback(std::int64_t now);
+  void take_feedback(std::int64_t sent, std::int64_t now);
   SentCommand* claim_slot(std::uint32_t flags);
   void remember(const SafetyOutput& output, std::int64_t sent, std::int64_t acknowledged);
   void remember_change(std::uint32_t flags);
