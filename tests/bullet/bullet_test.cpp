@@ -212,6 +212,42 @@ TEST(Bullet, WhatIsPressedOntoATableStays) {
   }
 }
 
+// Finely cut, and no face of them a convex polygon: an L, a bowl, a saddle, and a table as a scanner sees it.
+std::vector<Mesh> finely_cut_surfaces() {
+  std::vector<Mesh> surfaces(4, make_plane(0.3, 16));
+  std::erase_if(surfaces[0].triangles, [&](const Triangle& t) {
+    return std::all_of(t.begin(), t.end(), [&](std::uint32_t i) {
+      return surfaces[0].vertices[i].x > 0.05 && surfaces[0].vertices[i].y > 0.05;
+    });
+  });
+  for (Vec3& p : surfaces[1].vertices) p.z = p.x * p.x + p.y * p.y;
+  for (Vec3& p : surfaces[2].vertices) p.z = 0.2 * (p.x * p.x - p.y * p.y);
+  for (Vec3& p : surfaces[3].vertices) p.z = 1e-5 * std::sin(1731 * p.x + 917 * p.y);
+  return surfaces;
+}
+
+TEST(Bullet, WhatIsPressedOntoAFinelyCutSurfaceStaysWhateverItsShape) {
+  const std::vector<Mesh> surfaces = finely_cut_surfaces();
+  for (std::size_t k = 0; k < surfaces.size(); ++k) {
+    Scene scene = test::pad_scene();
+    scene.objects.push_back({"below", surfaces[k]});
+    scene.objects.push_back(
+        body_of("cube", make_box({0.03, 0.03, 0.03}, 2), 0.005, {0, 0, 0.0153}, {0.8, 0.8, 0, 1000}));
+    World run(scene);
+    Pose rested;
+    for (int i = 0; i < 700; ++i) {
+      const double depth = 0.003 * std::min(1.0, i / 200.0);
+      run.advance(test::frame_of({{{0.002, 0.001, 0.03 + test::kPadRadius - depth}, {0, 0, 1}}}));
+      if (i < 300) rested = run.given[0].pose;
+      const Vec3 force = test::hand_force(run.output);
+      ASSERT_LT(std::hypot(force.x, force.y), i < 300 ? 2 : 0.25) << k << " " << i;
+    }
+    EXPECT_GT(test::hand_force(run.output).z, 3) << k;
+    EXPECT_LT(norm(run.given[0].pose.position - rested.position), 2e-4) << k;
+    EXPECT_LT(test::angle_of(run.given[0].pose.orientation * conjugate(rested.orientation)), 0.02) << k;
+  }
+}
+
 // Such meshes load and are told of, and nothing stands on them.
 TEST(Bullet, AWorldOfTrianglesWithoutAreaHoldsNothing) {
   Scene scene = test::pad_scene();

@@ -10,6 +10,7 @@
 #include "bullet/flat_faces.h"
 #include "bullet/hull_shape.h"
 #include "bullet/skin_springs.h"
+#include "bullet/steady_points.h"
 #include "objects/move_on.h"
 #include "objects/pushing_hands.h"
 #include "objects/told_pose.h"
@@ -241,6 +242,7 @@ Status make_bullet_world(const Model& model, const BulletOptions& options, Bulle
   add_still_mesh(model.triangles, {}, friction, *bodies);
   if (model.ground) add_ground(*model.ground, friction, *bodies);
   bodies->world.getSolverInfo().m_numIterations = kIterations;
+  bodies->dispatcher.setNearCallback(find_steady_points);
   bodies->world.setGravity(to_bullet(model.gravity, kUnitsPerMetre));
   bodies->hands.touches = std::vector<PushingHands::OfAll>(model.apart.size());
   for (const BulletBodies::Given& body : bodies->given) {

@@ -9,8 +9,8 @@
 namespace lumbrical {
 
 /// The chosen ones of some triangles, in O [m]. Those that lie in one plane, to 1e-6 m, hang together and
-/// fill a convex polygon are cut anew, into as few as it takes: on many in a plane a body in Bullet has no
-/// points to stand on that stay.
+/// fill a convex polygon are cut anew, into as few as it takes: Bullet takes each by itself, many times as
+/// long.
 Mesh with_whole_faces(const Triangles& triangles, const std::vector<std::uint32_t>& chosen);
 
 }  // namespace lumbrical

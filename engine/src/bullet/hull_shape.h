@@ -24,7 +24,7 @@ struct HullShape {
 bool make_hull_shape(const Triangles& triangles, const btTransform& X_CO, bool thickened, HullShape& shape);
 
 /// Of triangles that stand still: parts that are closed and convex as hulls, in O [kUnitsPerMetre]; returns
-/// the triangles of the others. On many triangles in a plane a body has no points to stand on that stay.
+/// the triangles of the others, which take longer.
 std::vector<std::uint32_t> take_convex_parts(const Triangles& triangles, HullShape& convex);
 
 }  // namespace lumbrical
