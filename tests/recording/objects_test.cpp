@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "pads.h"
+#include "random.h"
 #include "recording/session_message.h"
 #include "recording/state_message.h"
 #include "recording_fixture.h"
@@ -257,6 +258,21 @@ TEST(RecordedObjects, ASceneOfAModelIsTheSceneItWasBuiltFrom) {
   EXPECT_EQ(scene.objects[2].name, "table");
   EXPECT_EQ(test::hash_run(test::model_of(scene), test::grasp_frames(scene.hand, 30)),
             test::hash_run(model, test::grasp_frames(scene.hand, 30)));
+}
+
+// What a scene file says is normalized when it is read, when a model is built of it, and when one is built of
+// that model's recording.
+TEST(RecordedObjects, HoweverTheyAreTurnedStandWhereTheyStoodWhenTheyAreReadAgain) {
+  test::Random random(3);
+  for (int i = 0; i < 300; ++i) {
+    const auto any = [&] { return random.between(-2, 2); };
+    const Pose turned{{}, normalized({any(), any(), any(), any()})};
+    Scene scene;
+    scene.hand = default_hand(Side::right);
+    scene.objects = {{"rubbing", make_sphere(0.02, 2), Winding::automatic, turned, {0.5, 0.5, 0, 1000}, {}}};
+    const Model model = test::model_of(scene);
+    ASSERT_EQ(test::model_of(scene_of(model)).apart[0].start, model.apart[0].start);
+  }
 }
 
 }  // namespace
