@@ -49,10 +49,10 @@ inline constexpr const char* kAlignmentForms =
     "centre, top, bottom, left, right, front, back, contact or x,y,z [m], with OBJECT: before it or not";
 
 /// The shift [m, W] that does it; the motion is left as it is. All but contact bring the middle between thumb
-/// tip and the other fingertips, at the moment the fingertips are closest together, to the target. Contact
-/// moves along the shortest way, so that the hand first touches, 1 mm deep, at the moment it came nearest; 0
-/// where it touches already. Refuses names that the scene has not, what a world file can't tell, and motions
-/// without a hand.
+/// tip and the other fingertips, at the first moment the fingertips are closest together, to the target.
+/// Contact moves along the shortest way, so that the hand first touches, 1 mm deep, at the moment it came
+/// nearest; 0 where it touches already. Refuses names that the scene has not, what a world file can't tell,
+/// and motions without a hand.
 Status find_shift(const Scene& scene, const Motion& motion, double seconds, const Alignment& alignment,
                   Vec3& shift);
 

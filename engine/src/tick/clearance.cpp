@@ -165,6 +165,7 @@ void find_approach(const Scene& scene, const Motion& motion, double seconds, con
 
 /// Where the hand would hold something, at the moment its fingertips are closest together.
 bool find_grasp(const Scene& scene, const Motion& motion, double seconds, Vec3& grasp) {
+  constexpr double kAsNarrow = 1e-6;  // [m] what is narrower by less is the same grasp, held
   constexpr std::array<Joint, 4> kTips = {kIndexTip, kMiddleTip, kRingTip, kLittleTip};
   double narrowest = 1e300;
   for_each_pose(scene, motion, seconds,
@@ -177,7 +178,7 @@ bool find_grasp(const Scene& scene, const Motion& motion, double seconds, Vec3& 
                   }
                   const Vec3 thumb = posed.joints.position(kThumbTip);
                   const double width = norm(mean - thumb);
-                  if (!(width < narrowest)) return;
+                  if (!(width < narrowest - kAsNarrow)) return;
                   narrowest = width;
                   grasp = 0.5 * mean + 0.5 * thumb;
                 });
