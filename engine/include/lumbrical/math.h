@@ -60,7 +60,7 @@ constexpr double dot(Quat a, Quat b) { return a.w * b.w + a.x * b.x + a.y * b.y 
 /// than rounding stays as it is: what was normalized once keeps its bits, however often it is written and
 /// read.
 inline Quat normalized(Quat q) {
-  constexpr double kRounding = 8.9e-16;  // |q / |q||^2 differs from 1 by less
+  constexpr double kRounding = 1.4e-15;  // |q / |q||^2 differs from 1 by less
   const double square = dot(q, q);
   if (std::fabs(square - 1) <= kRounding) return q;
   const double length = std::sqrt(square);

@@ -84,9 +84,9 @@ struct TakenWhole {
 struct BlockClaims {
   unsigned outdone = 0, contested = 0;
 };
-/// By how much more or less than at their centres one part may lead over another one within blocks. Fields
-/// are concave, so nowhere above what they are along their slopes, and nowhere farther below that than the
-/// sphere that is nearest at the centre.
+/// [m] By how much more or less than at their centres one part may lead over another one within blocks.
+/// Fields are concave, so nowhere above what they are along their slopes, and nowhere farther below that than
+/// the sphere that is nearest at the centre.
 template <class V>
 struct LeadRange {
   V less, more;
@@ -125,7 +125,7 @@ inline BlockClaims claims_of(const BlockRows& rows, const BlockKinds& kinds, con
       LeadRange<V> range{twice, twice};
       if ((wide::bits_of(is_near && lead <= twice) & asked) != 0)
         range = lead_range(boxes, others, rival, part);
-      claims.outdone |= wide::bits_of(lead > range.less) << lane;
+      claims.outdone |= wide::bits_of(lead > select(is_near, range.less, twice)) << lane;
       claims.contested |= wide::bits_of(is_near && lead + range.more >= zero) << lane;
     });
   }

@@ -60,7 +60,7 @@ template <class V>
 inline PartSlope<V> slope_at(const TileFrame& tile, Wide3<V> at) {
   const Wide3<V> from = at - in_all_lanes<V>(tile.origin), p = turn_into(tile.axis, from);
   const TileDepth<V> depth = tile_depth(numbers_of<V>(tile), tile_point(p));
-  const V share = divide(number<V>(1), max(depth.distance, number<V>(1e-9)));
+  const V share = divide(number<V>(1), max(depth.distance, number<V>(1e-30)));
   return {select(depth.is_end, depth.distance, depth.distance * V(1 / tile.cosine2)),
           share * away_from(tile, depth, from, p)};
 }
@@ -81,7 +81,7 @@ inline PartSlope<V> slope_at(const PalmBody& palm, Wide3<V> at) {
   x = select(out > zero, x, zero);
   y = select(out > zero, y, zero);
   const V distance = sqrt(p.z * p.z + (x * x + y * y)),
-          share = divide(number<V>(1), max(distance, number<V>(1e-9)));
+          share = divide(number<V>(1), max(distance, number<V>(1e-30)));
   return {distance, share * (x * in_all_lanes<V>(palm.axis[0]) +
                              (y * in_all_lanes<V>(palm.axis[1]) + p.z * in_all_lanes<V>(palm.axis[2])))};
 }
