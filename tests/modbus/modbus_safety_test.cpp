@@ -235,12 +235,14 @@ TEST(ModbusWire, ADeviceThatRefusesAPartOfItsCommandsHearsTheOthersButNoHeartbea
   EXPECT_TRUE(wire->open().ok());
   SafetyOutput output;
   output.command.fill(0.1);
+  output.device_on = true;
   WireAnswer answer;
   EXPECT_EQ(wire->exchange({7, output, {}}, answer).outcome, WireOutcome::refused);
   ending = true;
   serving.join();
   std::array<std::uint16_t, 1> word{};
-  for (const auto& [address, value] : {std::pair(3, 1000), {40, 1000}, {1, 0}}) {
+  for (const auto& [address, value] :
+       {std::pair<int, int>(3, 1000), {40, 1000}, {0, profile.control.active}, {1, 0}}) {
     EXPECT_EQ(device.read(1, static_cast<std::uint16_t>(address), word), 0);
     EXPECT_EQ(word[0], value) << address;
   }

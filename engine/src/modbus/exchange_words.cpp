@@ -76,10 +76,12 @@ void ExchangeWords::write(const DeviceProfile& profile, const WireCommand& comma
     *place(plan.writes, written, profile.control.unit, profile.control.address) =
         output.device_on ? profile.control.active : profile.control.idle;
   }
-  if (profile.heartbeat.present) {
-    *place(plan.writes, written, profile.heartbeat.unit, profile.heartbeat.address) =
-        static_cast<std::uint16_t>(command.cycle);
-  }
+  if (std::uint16_t* const beat = heartbeat(profile)) *beat = static_cast<std::uint16_t>(command.cycle);
+}
+
+std::uint16_t* ExchangeWords::heartbeat(const DeviceProfile& profile) {
+  const Heartbeat& beat = profile.heartbeat;
+  return beat.present ? place(plan.writes, written, beat.unit, beat.address) : nullptr;
 }
 
 void ExchangeWords::commands(const DeviceProfile& profile, ActuatorArray& command) const {

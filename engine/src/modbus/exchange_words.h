@@ -23,6 +23,8 @@ struct ExchangeWords {
   /// Bytes that no field claims hold what the handshake wrote there, or 0.
   explicit ExchangeWords(const DeviceProfile& profile);
   void write(const DeviceProfile& profile, const WireCommand& command);
+  /// The heartbeat's word in `written`; null: the profile has none.
+  std::uint16_t* heartbeat(const DeviceProfile& profile);
   /// The commands that `written` stands for, within each actuator's limits.
   void commands(const DeviceProfile& profile, ActuatorArray& command) const;
   /// The index'th of the parts of at most kLookBack registers that what is written consists of, round and

@@ -39,6 +39,7 @@ class ModbusWire final : public DeviceWire {
   DeviceProfile profile_;
   ExchangeWords words_;
   ModbusLink link_;
+  std::uint16_t last_beat_ = 0;
   std::int64_t last_look_ = 0;
   std::size_t look_ = 0;
 };
@@ -117,19 +118,21 @@ WireResult ModbusWire::exchange(const WireCommand& command, WireAnswer& answer) 
   return result;
 }
 
-// A device that refuses a part of its commands may hold a force there: it is told the others, but no
-// heartbeat, so that its watchdog lets go.
+// A device that refuses a part of its commands may hold a force there: it is told the others, but its
+// heartbeat stands still, so that its watchdog lets go.
 WireResult ModbusWire::write_commands() {
+  std::uint16_t* const beat = words_.heartbeat(profile_);
   WireResult refused;
   std::size_t at = 0;
   for (const RegisterBlock& block : words_.plan.writes) {
-    const bool beats = profile_.heartbeat.present && &block == &words_.plan.writes.back();
-    if (beats && !refused.ok()) break;
+    const bool is_last = &block == &words_.plan.writes.back();
+    if (beat != nullptr && is_last && !refused.ok()) *beat = last_beat_;
     WireResult result = told(link_.write(block, words_.written.data() + at), "writing", block);
     if (result.outcome == WireOutcome::broken) return result;
     if (!result.ok()) refused = std::move(result);
     at += block.count;
   }
+  if (beat != nullptr) last_beat_ = *beat;
   return refused;
 }
 
