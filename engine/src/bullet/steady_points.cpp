@@ -19,12 +19,16 @@ constexpr double kAlike = 2e-5 * kUnitsPerMetre;
 // rounding.
 constexpr double kWider = 1.02;
 
+// Cosine of the angle from which on normals are of another face, such as a wall beside a floor.
+constexpr double kSameFace = 0.9;
+
 /// Four that are kept, and a new one.
 constexpr std::size_t kNew = MANIFOLD_CACHE_SIZE;
 static_assert(kNew == 4);
 struct Points {
   std::array<btVector3, kNew + 1> at;
-  std::array<double, kNew + 1> height;  ///< above the other body, below 0 in it
+  std::array<double, kNew + 1> height;        ///< above the other body, below 0 in it
+  std::array<bool, kNew + 1> is_on_its_face;  ///< of the new one
 };
 
 // Of twice the quadrangle with these corners, in whatever order: of the lines that join them, its diagonals
@@ -40,15 +44,21 @@ double square_of_area_without(std::size_t left_out, const Points& points) {
   return square_of_area(at[0], at[1], at[2], at[3]);
 }
 
-// Which one a body can do without: what stands off, or else what the others reach as far without.
+// Which one on the new one's face a body can do without: what stands off, or else what the others reach as
+// far without.
 std::size_t least_needed(const Points& points) {
-  const auto [deepest, highest] = std::minmax_element(points.height.begin(), points.height.end());
-  if (*highest - *deepest > kAlike) return static_cast<std::size_t>(highest - points.height.begin());
+  std::size_t deepest = kNew, highest = kNew;
+  for (std::size_t i = 0; i < kNew; ++i) {
+    if (!points.is_on_its_face[i]) continue;
+    if (points.height[i] < points.height[deepest]) deepest = i;
+    if (points.height[i] > points.height[highest]) highest = i;
+  }
+  if (points.height[highest] - points.height[deepest] > kAlike) return highest;
   std::size_t least = kNew;
   double widest = kWider * square_of_area_without(kNew, points);
   for (std::size_t i = 0; i < kNew; ++i) {
     const double square = square_of_area_without(i, points);
-    if (square > widest) {
+    if (points.is_on_its_face[i] && square > widest) {
       widest = square;
       least = i;
     }
@@ -67,20 +77,23 @@ class SteadyPoints : public btManifoldResult {
   }
 
  private:
-  // False: the new point is the one to do without.
+  // False: the new point is the one to do without. What is the first on its face is left to Bullet.
   bool make_room(const btVector3& normal, const btVector3& on_first, double height) {
     btPersistentManifold& kept = *m_manifoldPtr;
     const btVector3 at = kept.getBody0()->getWorldTransform().invXform(on_first);
-    const bool is_known = kept.getCacheEntry({at, {}, normal, height}) >= 0;
+    const bool is_known = kept.getCacheEntry({at, at, normal, height}) >= 0;
     if (is_known || kept.getNumContacts() < static_cast<int>(kNew)) return true;
     Points points;
     for (std::size_t i = 0; i < kNew; ++i) {
       const btManifoldPoint& point = kept.getContactPoint(static_cast<int>(i));
       points.at[i] = point.m_localPointA;
       points.height[i] = point.getDistance();
+      points.is_on_its_face[i] = point.m_normalWorldOnB.dot(normal) > kSameFace;
     }
     points.at[kNew] = at;
     points.height[kNew] = height;
+    points.is_on_its_face[kNew] = true;
+    if (std::count(points.is_on_its_face.begin(), points.is_on_its_face.end(), true) == 1) return true;
     const std::size_t least = least_needed(points);
     if (least == kNew) return false;
     kept.removeContactPoint(static_cast<int>(least));
