@@ -50,10 +50,16 @@ function charts(rate: number): Chart[] {
   ];
 }
 
-/** As uPlot draws it: a line goes on over numbers that ticks leave out (undefined), not over ticks that are missing (null). */
-function lineOf(column: Float32Array, from: Columns): (number | null | undefined)[] {
-  const missing = (i: number) => Number.isNaN(from.values[kContacts][i]);
-  return Array.from(column, (value, i) => (!Number.isNaN(value) ? value : missing(i) ? null : undefined));
+/** Whether a recording has a tick, or any of the many that a column's number is of. */
+function has({ tick, values }: Columns, wanted: number): boolean {
+  const step = tick.length > 1 ? tick[1] - tick[0] : 1;
+  return !Number.isNaN(values[kContacts][Math.floor((wanted - tick[0]) / step)] ?? NaN);
+}
+
+/** As uPlot draws it: a line goes on over numbers that ticks leave out (undefined), not over ticks that a recording lacks (null). */
+function lineOf(column: Float32Array, ticks: Float64Array, recordings: Columns[]): (number | null | undefined)[] {
+  const isThere = (i: number) => recordings.every((recording) => has(recording, ticks[i]));
+  return Array.from(column, (value, i) => (!Number.isNaN(value) ? value : isThere(i) ? undefined : null));
 }
 
 /** Behind the point, of labels that are so far apart. */
@@ -149,7 +155,7 @@ export function makePlots(parent: HTMLElement, rate: number, zoom: (from: number
         const from = chart.compares ? other : own;
         const columns = from ? chart.columns(from) : [];
         box.hidden = !columns.some((column) => column.some((value) => !Number.isNaN(value)));
-        if (from && !box.hidden) plot.setData([Array.from(from.tick, (tick) => tick / rate), ...columns.map((column) => lineOf(column, from))] as uPlot.AlignedData);
+        if (from && !box.hidden) plot.setData([Array.from(from.tick, (tick) => tick / rate), ...columns.map((column) => lineOf(column, from.tick, [from, own]))] as uPlot.AlignedData);
       }
     },
     setRange(from, to) {
