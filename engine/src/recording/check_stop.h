@@ -8,7 +8,7 @@
 namespace lumbrical {
 
 inline Status check_stop(const std::function<bool()>& stop) {
-  return stop && stop() ? Status::error("stopped before all was written") : Status();
+  return stop && stop() ? Status::error("stopped before all was done") : Status();
 }
 
 }  // namespace lumbrical

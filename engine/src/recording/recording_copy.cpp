@@ -1,6 +1,7 @@
 // Copies of recordings: trimmed, merged, compressed otherwise, and every message as it was.
 #include <algorithm>
 #include <array>
+#include <functional>
 #include <new>
 #include <optional>
 #include <utility>
@@ -55,12 +56,13 @@ Status run_up_to(RecordingReader& reader, const Model& model, const CopyOptions&
 /// The last of the states that stand beside the ticks from `begin` to before `tick_number`; none: nothing is
 /// kept there.
 Status kept_state(RecordingReader& reader, std::uint64_t begin, std::uint64_t tick_number,
-                  std::optional<State>& kept) {
+                  const std::function<bool()>& stop, std::optional<State>& kept) {
   const Side side = reader.scene().hand.side;
   if (Status status = reader.seek(begin); !status.ok()) return status;
   for (;;) {
     RecordedMessage message;
     bool end = false;
+    if (Status status = check_stop(stop); !status.ok()) return status;
     if (Status status = reader.next_message(message, end); !status.ok()) return status;
     if (end || message.tick >= tick_number) return {};
     if (message.kind != MessageKind::tick || reader.info().hands[message.hand] != side) continue;
@@ -78,7 +80,7 @@ Status find_from_kept(RecordingReader& reader, const Model& model, const CopyOpt
   for (std::uint64_t back = 256; !kept && begin > first; back *= 8) {
     const std::uint64_t end = begin;
     begin = tick_number - std::min(back, tick_number - first);
-    if (Status status = kept_state(reader, begin, end, kept); !status.ok()) return status;
+    if (Status status = kept_state(reader, begin, end, options.stop, kept); !status.ok()) return status;
   }
   if (!kept || kept->tick > tick_number || !check_state(model, *kept).ok()) return {};
   state = std::move(*kept);

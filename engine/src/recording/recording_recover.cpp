@@ -70,12 +70,14 @@ bool begins_record(Bytes head, std::uint64_t room, RecordPlace& place) {
 }
 
 /// The first record worth keeping that seems to begin at `offset` or later.
-Status find_next(const InputFile& file, std::uint64_t offset, RecordPlace& place, bool& found) {
+Status find_next(const InputFile& file, std::uint64_t offset, const std::function<bool()>& stop,
+                 RecordPlace& place, bool& found) {
   std::uint64_t step = 64;  // most often the next record begins right here
   std::vector<std::uint8_t> block;
   found = false;
   while (offset < file.size()) {
     const std::uint64_t size = std::min(step + kHeadSize, file.size() - offset);
+    if (Status status = check_stop(stop); !status.ok()) return status;
     if (Status status = file.read(offset, size, block); !status.ok()) return status;
     for (std::uint64_t i = 0; i < std::min(step, size); ++i) {
       const std::uint64_t head = std::min(kHeadSize, size - i);
@@ -115,11 +117,12 @@ std::vector<TickRange> missing_of(const KnownTicks& ticks) {
 
 class Recovery {
  public:
+  explicit Recovery(const std::function<bool()>& stop) : stop_(stop) {}
   Status open(const std::string& path) { return file_.open(path); }
   /// Looks for session, metadata and compression; an error where there is no whole session.
   Status find_session();
   /// Copies the ticks of all whole chunks.
-  Status copy_ticks(const std::string& output, const std::function<bool()>& stop);
+  Status copy_ticks(const std::string& output);
   /// Of both hands together, where there are two.
   [[nodiscard]] std::uint64_t recovered() const;
   /// Of either hand.
@@ -141,6 +144,7 @@ class Recovery {
   [[nodiscard]] std::optional<RecordingChannel> channel_of(std::uint16_t id) const;
   [[nodiscard]] std::size_t hand_of(const RecordingChannel& channel) const;
 
+  const std::function<bool()>& stop_;
   InputFile file_;
   Scene scene_;
   std::vector<Side> sides_;  // of the session's hands
@@ -227,7 +231,7 @@ Status Recovery::find_session() {
   bool found = true;
   for (std::uint64_t offset = 0; found && (session_.empty() || !compression_);) {
     RecordPlace place;
-    if (Status status = find_next(file_, offset, place, found); !status.ok()) return status;
+    if (Status status = find_next(file_, offset, stop_, place, found); !status.ok()) return status;
     if (found) offset = behind(place, take(place));
   }
   if (!session_.empty()) return {};
@@ -328,7 +332,7 @@ Status Recovery::copy_chunk(McapWriter& writer) {
   return {};
 }
 
-Status Recovery::copy_ticks(const std::string& output, const std::function<bool()>& stop) {
+Status Recovery::copy_ticks(const std::string& output) {
   McapWriter writer;
   McapWriterOptions options;
   options.compression = compression_.value_or(Compression::lz4);
@@ -345,8 +349,7 @@ Status Recovery::copy_ticks(const std::string& output, const std::function<bool(
   doubted_ = 0;
   for (std::uint64_t offset = 0; status.ok() && found;) {
     RecordPlace place;
-    status = check_stop(stop);
-    if (status.ok()) status = find_next(file_, offset, place, found);
+    status = find_next(file_, offset, stop_, place, found);
     if (!status.ok() || !found) break;
     const bool whole = load(place);
     offset = behind(place, whole);
@@ -386,10 +389,10 @@ std::vector<TickRange> Recovery::missing() const {
 Status recover_recording(const std::string& path, const std::string& output, std::uint64_t& recovered,
                          std::uint64_t& lost, std::vector<TickRange>* missing,
                          const std::function<bool()>& stop) try {
-  Recovery recovery;
+  Recovery recovery(stop);
   if (Status status = recovery.open(path); !status.ok()) return status;
   if (Status status = recovery.find_session(); !status.ok()) return status;
-  if (Status status = recovery.copy_ticks(output, stop); !status.ok()) return status;
+  if (Status status = recovery.copy_ticks(output); !status.ok()) return status;
   recovered = recovery.recovered();
   lost = 0;
   const std::vector<TickRange> ranges = recovery.missing();
