@@ -17,9 +17,9 @@ struct DeviceCommand {
 };
 
 struct DeviceFeedback {
-  std::int64_t asked = 0;                       ///< when the request left: the angles may be as old as that
-  std::int64_t time = 0;                        ///< when the reply came: they are no newer
-  std::int64_t held_since = 0;                  ///< `time` of the first one since the device has let go last
+  std::int64_t asked = 0;       ///< when the request left: the angles may be as old as that
+  std::int64_t time = 0;        ///< when the reply came: they are no newer
+  std::int64_t held_since = 0;  ///< `time` of the first one since the device let go last; 0: never
   std::array<float, 4 * kFingerCount> angle{};  ///< [rad] in the order of hand.h
   std::uint32_t valid = 0;                      ///< bit i: angle i was measured and is plausible
   std::uint32_t flags = 0;                      ///< DeviceFlag bits: why others are not

@@ -96,7 +96,8 @@ class Recorder {
   /// Starts a file, which grows as `path`.part and takes its path on close. Nothing is ever written over: an
   /// error where either is there already. A killed process loses at most 0.25 s of a live session, a power
   /// cut 1.5 s.
-  /// A world file of the scene is named in the recording, not copied into it.
+  /// A world file of the scene is named in the recording, not copied into it. Ticks are of this scene and of
+  /// a State that nothing but they changes: begin another recording where settings change (change_settings).
   Status open(const std::string& path, const Scene& scene, const RecorderOptions& options);
   /// Hands over one tick; no allocation or system call while the ring has room. False: not kept (ring full in
   /// live mode, tick number not above the hand's last one or below the other's, device.kind out of range, or
