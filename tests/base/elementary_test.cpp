@@ -1,4 +1,4 @@
-// The engine's own elementary functions against the long double ones of the C library, and unit quaternions.
+// The engine's own elementary functions against the long double ones of the C library.
 #include "base/elementary.h"
 
 #include <gtest/gtest.h>
@@ -82,19 +82,6 @@ TEST(Elementary, LogarithmIsWithinFourUlpAlsoNearOne) {
 
 TEST(Elementary, InverseHyperbolicSineIsWithinSixUlp) {
   EXPECT_LE(worst([](double x) { return ulps(arc_sinh(x), std::asinh(static_cast<long double>(x))); }), 6);
-}
-
-TEST(Quaternion, NormalizedOnceStaysAsItIs) {
-  test::Random random(2);
-  for (int i = 0; i < 300000; ++i) {
-    const double size = std::pow(10.0, random.between(-3, 3));
-    const auto any = [&] { return size * random.between(-1, 1); };
-    const Quat once = normalized({any(), any(), any(), any()});
-    ASSERT_EQ(normalized(once), once);
-    ASSERT_LT(std::fabs(dot(once, once) - 1), 1e-15);
-  }
-  EXPECT_EQ(normalized({0, 0, 0, 0}), Quat{});
-  EXPECT_EQ(normalized({std::numeric_limits<double>::quiet_NaN(), 0, 0, 1}), Quat{});
 }
 
 TEST(Elementary, NothingTurnsIntoNaN) {

@@ -56,14 +56,9 @@ constexpr Quat operator*(Quat a, Quat b) {
 constexpr Quat conjugate(Quat q) { return {q.w, -q.x, -q.y, -q.z}; }
 constexpr double dot(Quat a, Quat b) { return a.w * b.w + a.x * b.x + a.y * b.y + a.z * b.z; }
 
-/// q / |q|, or the identity where q is zero or not finite. What differs from a unit quaternion by no more
-/// than rounding stays as it is: what was normalized once keeps its bits, however often it is written and
-/// read.
+/// q / |q|, or the identity where q is zero or not finite.
 inline Quat normalized(Quat q) {
-  constexpr double kRounding = 1.4e-15;  // |q / |q||^2 differs from 1 by less
-  const double square = dot(q, q);
-  if (std::fabs(square - 1) <= kRounding) return q;
-  const double length = std::sqrt(square);
+  const double length = std::sqrt(dot(q, q));
   if (!(length > 1e-150 && length < 1e150)) return {};
   return {q.w / length, q.x / length, q.y / length, q.z / length};
 }

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cassert>
+#include <cmath>
 #include <new>
 #include <utility>
 
@@ -158,6 +159,13 @@ const ApartObject* find_instance(const Scene& scene, const SceneObject& object, 
   return nullptr;
 }
 
+// What was normalized once keeps its bits: else what is built of a recorded scene would stand elsewhere, by
+// rounding, than what was recorded.
+Quat unit_once(Quat q) {
+  constexpr double kRounding = 1.4e-15;  // |q / |q||^2 differs from 1 by less
+  return std::fabs(dot(q, q) - 1) <= kRounding ? q : normalized(q);
+}
+
 Status take_apart_objects(const Scene& scene, Model& model) {
   for (std::size_t i = 0; i < scene.objects.size(); ++i) {
     const SceneObject& object = scene.objects[i];
@@ -170,7 +178,7 @@ Status take_apart_objects(const Scene& scene, Model& model) {
     ApartObject apart;
     apart.name = object.name;
     apart.place = i;
-    apart.start = {object.pose.position, normalized(object.pose.orientation)};
+    apart.start = {object.pose.position, unit_once(object.pose.orientation)};
     apart.material = object.material;
     apart.mechanism = object.mechanism;
     const ApartObject* const instance = find_instance(scene, object, model);
