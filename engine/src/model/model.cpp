@@ -162,8 +162,8 @@ const ApartObject* find_instance(const Scene& scene, const SceneObject& object, 
 // What was normalized once keeps its bits: else what is built of a recorded scene would stand elsewhere, by
 // rounding, than what was recorded.
 Quat unit_once(Quat q) {
-  constexpr double kRounding = 1.4e-15;  // |q / |q||^2 differs from 1 by less
-  return std::fabs(dot(q, q) - 1) <= kRounding ? q : normalized(q);
+  constexpr double kOff = 1.4e-15;  // |q / |q||^2 differs from 1 by less
+  return std::fabs(dot(q, q) - 1) <= kOff ? q : normalized(q);
 }
 
 Status take_apart_objects(const Scene& scene, Model& model) {
