@@ -179,8 +179,7 @@ int replay_single(const ReplaySwitches& switches, ReplayOptions& options) {
     options.progress = [&progress](std::uint64_t done, std::uint64_t all) { progress.update(done, all); };
     replayed.error = replay_one(switches.recordings[0], switches, options, replayed);
   }
-  if (!replayed.error.ok())
-    return stop_signals ? fail_to_write(switches.record, replayed.error) : fail(replayed.error);
+  if (!replayed.error.ok()) return fail_to_write(switches.record, replayed.error);
   const int printed = switches.json ? print_json(replayed.json) : print_text(replayed.text);
   if (printed != kDone) return printed;
   return replayed.diverged ? kDiverged : replayed.damaged ? kUnreadable : kDone;

@@ -248,8 +248,8 @@ Status verify_recording(const std::string& path, RecordingInfo& info,
 /// which those are (`missing`, ascending; may be null): all between the first the file held and the last. The
 /// last is known from the index, or where there is none from the chunks met, damaged ones too; what came
 /// behind the last chunk of a torn file can't be. The session itself must be whole; `output` must be another
-/// file and appears only when it is complete. `stop` is as that of CopyOptions, asked
-/// with every chunk.
+/// file and appears only when it is complete. `stop` is as that of CopyOptions, asked with
+/// every chunk.
 Status recover_recording(const std::string& path, const std::string& output, std::uint64_t& recovered,
                          std::uint64_t& lost, std::vector<TickRange>* missing = nullptr,
                          const std::function<bool()>& stop = {});

@@ -14,6 +14,20 @@ inline V field_at(const PalmBody& palm, Wide3<V> p) {
   return palm_field(palm, turn_into(palm.axis, p));
 }
 
+/// What ask(part's body or tile, points seen from its body's origin) tells of a part of the hand at points
+/// `at`. `offset`: of the bodies' origins from where points are seen.
+template <class V, class Ask>
+LUMBRICAL_INLINE inline auto ask_part(const Bodies& bodies, std::size_t part, const BodyOffsets& offset,
+                                      Wide3<V> at, const Ask& ask) {
+  const Wide3<V> p = at - in_all_lanes<V>(offset[body_of(part)]);
+  return part == palm_number(bodies) ? ask(bodies.palm, p) : ask(tile_at(bodies.finger.data(), part), p);
+}
+template <class V>
+inline V field_at(const Bodies& bodies, std::size_t part, const BodyOffsets& offset, Wide3<V> at) {
+  return ask_part(bodies, part, offset, at,
+                  [](const auto& its, Wide3<V> p) LUMBRICAL_INLINE { return field_at(its, p); });
+}
+
 /// The fields of bodies at points `at`, of each by its parts in `parts`, and the two largest. `offset`: of
 /// the bodies' origins from where points are seen.
 template <class V>
@@ -42,15 +56,8 @@ struct BodyFields {
   }
 };
 
-template <class V>
-inline V field_at(const Bodies& bodies, std::size_t part, const BodyOffsets& offset, Wide3<V> at) {
-  const Wide3<V> p = at - in_all_lanes<V>(offset[body_of(part)]);
-  return part == palm_number(bodies) ? field_at(bodies.palm, p)
-                                     : field_at(tile_at(bodies.finger.data(), part), p);
-}
-
-/// How far points are from the nearest of the spheres' centres that sweep a part of the hand, and the way
-/// from there, a unit vector: along it the part's field falls.
+/// How far [m] points are from the nearest of the spheres' centres that sweep a part of the hand, and the way
+/// from there, a unit vector, 0 at a centre: along it the part's field falls.
 template <class V>
 struct PartSlope {
   V distance;
@@ -87,9 +94,7 @@ inline PartSlope<V> slope_at(const PalmBody& palm, Wide3<V> at) {
 }
 template <class V>
 inline PartSlope<V> slope_at(const Bodies& bodies, std::size_t part, const BodyOffsets& offset, Wide3<V> at) {
-  const Wide3<V> p = at - in_all_lanes<V>(offset[body_of(part)]);
-  return part == palm_number(bodies) ? slope_at(bodies.palm, p)
-                                     : slope_at(tile_at(bodies.finger.data(), part), p);
+  return ask_part(bodies, part, offset, at, [](const auto& its, Wide3<V> p) { return slope_at(its, p); });
 }
 
 /// Of a block's patches those of which each body is felt nothing, since another is deeper throughout: a bit
