@@ -67,14 +67,11 @@ bool collide_section(const Primitive& primitive, const ContactQuery& query, cons
       break;
     }
     case Law::max_depth:
-      contact.volume = area.area * deepest.depth;
+    case Law::point:
+      press_by_depth(query.law, query.point_area, to_world(section, deepest.point), contact);
       break;
     case Law::centroid:
       contact.volume = area.area * max(0, depth_below(primitive, query, section, area.centroid));
-      break;
-    case Law::point:
-      contact.volume = query.point_area * deepest.depth;
-      contact.centre = to_world(section, deepest.point);
       break;
   }
   return true;
@@ -91,6 +88,12 @@ bool general_contact(const Primitive& primitive, const ContactQuery& query, cons
   if (query.law == Law::field || query.law == Law::column)
     contact.error += plane_rounding(section.origin, at) * contact.area;
   return true;
+}
+
+void press_by_depth(Law law, double point_area, Vec3 deepest, Contact& contact) {
+  const bool point = law == Law::point;
+  contact.volume = (point ? point_area : contact.area) * contact.depth;
+  contact.centre = point ? deepest : contact.centroid;
 }
 
 void hand_contact(const Primitives& hand, const FieldKernels& kernels, double point_area, const Corners& at,

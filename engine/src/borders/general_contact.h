@@ -24,6 +24,10 @@ struct ContactQuery {
 bool general_contact(const Primitive& primitive, const ContactQuery& query, const Corners& at,
                      Boundary& boundary, Contact& contact);
 
+/// Sets volume and centre by the laws that take them from the contact's depth, which is largest at `deepest`
+/// [m, W], and from its area and centroid.
+void press_by_depth(Law law, double point_area, Vec3 deepest, Contact& contact);
+
 /// Contact of the primitive of a hand that contact.primitive names with the triangle `at` [m, W], whatever
 /// it is and shares out with others; without depth where the law does without. An area of zero marks that
 /// there is none.

@@ -137,35 +137,88 @@ inline Span<V> add_circle_edge(const SideView<V>& side, const Edge<V>& edge, Wid
   return {offset + ratio * (chord.xa - start), offset + ratio * (chord.xb - start)};
 }
 
+// Which lanes see the side's rim, and as what; `all` need none.
+template <class M>
+struct RimWays {
+  M all, round, strip, real;
+};
+template <class V, class M>
+inline RimWays<M> rim_ways(const SideView<V>& side, M wanted, M whole) {
+  const V zero = number<V>(0);
+  const M all = wanted && whole, rimmed = wanted && is_not(whole);
+  const M round = rimmed && side.strip == zero && side.rho2 > zero, strip = rimmed && side.strip > zero;
+  return {all, round, strip, all || round || strip};
+}
+
+// Areas of what lies in the rim.
+template <class V>
+struct RimAreas {
+  StripRim<V> rim;
+  Moments<V> by_circle, by_strip;
+};
+template <class V>
+inline RimAreas<V> no_areas(const SideView<V>& side) {
+  return {side.rim, no_moments<V>(), no_moments<V>()};
+}
+
+// Adds an edge, and tells the part of it inside: coordinates along it from the foot of (0, 0).
+template <class V, class M>
+inline Span<V> add_rim_edge(const SideView<V>& side, const Edge<V>& edge, Wide2<V> t,
+                            const Stretched<V>& about_centre, const RimWays<M>& ways, M here,
+                            RimAreas<V>& areas) {
+  Span<V> part_in{dot(edge.p, t), dot(edge.q, t)};
+  if (any(ways.round && here)) {
+    const Span<V> other = add_circle_edge(side, edge, t, about_centre, ways.round && here, areas.by_circle);
+    part_in = {select(ways.round, other.lower, part_in.lower),
+               select(ways.round, other.upper, part_in.upper)};
+  }
+  if (any(ways.strip && here)) {
+    const Span<V> other = add_strip_edge(edge, t, ways.strip && here, areas.rim, areas.by_strip).inside;
+    part_in = {select(ways.strip, other.lower, part_in.lower),
+               select(ways.strip, other.upper, part_in.upper)};
+  }
+  return part_in;
+}
+
+// The areas of all edges; of the lanes that need no rim the polygon's.
+template <class V, class M>
+inline Moments<V> rim_moments(const SideView<V>& side, const Polygon<V>& polygon, const RimWays<M>& ways,
+                              const RimAreas<V>& areas) {
+  const V per_scale = one_over(side.scale);
+  const Moments<V>&by_circle = areas.by_circle, &by_strip = areas.by_strip;
+  Moments<V> own = no_moments<V>();
+  own.area = select(ways.strip, by_strip.area, by_circle.area * per_scale);
+  own.area_x = select(ways.strip, by_strip.area_x,
+                      (by_circle.area_x - side.shift * by_circle.area) * per_scale * per_scale);
+  own.area_y = select(ways.strip, by_strip.area_y, by_circle.area_y * per_scale);
+  if (any(ways.all)) {
+    const Moments<V> area = area_of(polygon, corner_of(polygon));
+    own.area = select(ways.all, area.area, own.area);
+    own.area_x = select(ways.all, area.area_x, own.area_x);
+    own.area_y = select(ways.all, area.area_y, own.area_y);
+  }
+  return own;
+}
+
 // What of the polygon lies in the side's section: all of it in the lanes `whole`, which need no rim. False
 // where an arc of the rim was neither circle nor strip.
 template <class V, class M>
 auto add_side(const RoundPart<V>& part, const SideView<V>& side, const Polygon<V>& polygon,
               const Directions<V>& directions, M wanted, M whole, Moments<V>& sum, InsideParts<V>& inside) {
   const V zero = number<V>(0), quarter = number<V>(0.25), third = number<V>(1.0 / 3);
-  StripRim<V> rim = side.rim;
-  const auto all = wanted && whole, rimmed = wanted && is_not(whole);
-  const auto round = rimmed && side.strip == zero && side.rho2 > zero, strip = rimmed && side.strip > zero;
-  const auto real = all || round || strip;
-  Moments<V> by_circle = no_moments<V>(), by_strip = by_circle, along = by_circle;
-  if (any(real)) {
+  const RimWays<M> ways = rim_ways(side, wanted, whole);
+  RimAreas<V> areas = no_areas(side);
+  Moments<V> along = no_moments<V>();
+  if (any(ways.real)) {
     const V per_c = one_over(side.c);
     for (std::size_t i = 0; i < polygon.count; ++i) {
       const Edge<V>& edge = polygon.edge[i];
-      const auto here = real && has_length(edge);
+      const M here = ways.real && has_length(edge);
       if (!any(here)) continue;
       const Wide2<V> t = directions.t[i];
       const Stretched<V> about_foot = stretch(t, side.c);
-      Span<V> part_in{dot(edge.p, t), dot(edge.q, t)};
-      if (any(round && here)) {
-        const Stretched<V> about_centre = part.cone ? stretch(t, side.scale) : about_foot;
-        const Span<V> other = add_circle_edge(side, edge, t, about_centre, round && here, by_circle);
-        part_in = {select(round, other.lower, part_in.lower), select(round, other.upper, part_in.upper)};
-      }
-      if (any(strip && here)) {
-        const Span<V> other = add_strip_edge(edge, t, strip && here, rim, by_strip).inside;
-        part_in = {select(strip, other.lower, part_in.lower), select(strip, other.upper, part_in.upper)};
-      }
+      const Stretched<V> about_centre = part.cone ? stretch(t, side.scale) : about_foot;
+      const Span<V> part_in = add_rim_edge(side, edge, t, about_centre, ways, here, areas);
       const Wide2<V> near = select(dot(edge.p, edge.p) < dot(edge.q, edge.q), edge.p, edge.q);
       const Wide2<V> about{side.c * near.x + side.foot, near.y}, direction = about_foot.t;
       const V start = dot(near, t), offset = dot(about, direction), p = cross(about, direction);
@@ -176,25 +229,34 @@ auto add_side(const RoundPart<V>& part, const SideView<V>& side, const Polygon<V
       add_volumes(here && part_in.lower < part_in.upper, moments, along);
       inside.add(i, here && part_in.lower < part_in.upper, part_in.lower, part_in.upper);
     }
-    const V per_scale = one_over(side.scale);
-    Moments<V> own = along;
-    own.area = select(strip, by_strip.area, by_circle.area * per_scale);
-    own.area_x = select(strip, by_strip.area_x,
-                        (by_circle.area_x - side.shift * by_circle.area) * per_scale * per_scale);
-    own.area_y = select(strip, by_strip.area_y, by_circle.area_y * per_scale);
-    if (any(all)) {
-      const Moments<V> area = area_of(polygon, corner_of(polygon));
-      own.area = select(all, area.area, own.area);
-      own.area_x = select(all, area.area_x, own.area_x);
-      own.area_y = select(all, area.area_y, own.area_y);
-    }
-    own.volume = own.volume + third * (side.level * own.area);
-    own.volume_x = own.volume_x + quarter * (side.level * (side.c * own.area_x + side.foot * own.area));
+    Moments<V> own = rim_moments(side, polygon, ways, areas);
+    own.volume = along.volume + third * (side.level * own.area);
+    own.volume_x = along.volume_x + quarter * (side.level * (side.c * own.area_x + side.foot * own.area));
     own.volume_x = (own.volume_x - side.foot * own.volume) * per_c;
-    own.volume_y = own.volume_y + quarter * (side.level * own.area_y);
-    add_where(real, own, sum);
+    own.volume_y = along.volume_y + quarter * (side.level * own.area_y);
+    add_where(ways.real, own, sum);
   }
-  return rim.too_round == zero;
+  return areas.rim.too_round == zero;
+}
+
+// Its area alone, of lanes that do need the rim.
+template <class V, class M>
+auto add_side_area(const SideView<V>& side, const Polygon<V>& polygon, const Directions<V>& directions,
+                   M wanted, Moments<V>& sum, InsideParts<V>& inside) {
+  const RimWays<M> ways = rim_ways(side, wanted, is_not(wanted));
+  RimAreas<V> areas = no_areas(side);
+  if (any(ways.real)) {
+    for (std::size_t i = 0; i < polygon.count; ++i) {
+      const Edge<V>& edge = polygon.edge[i];
+      const M here = ways.real && has_length(edge);
+      if (!any(here)) continue;
+      const Wide2<V> t = directions.t[i];
+      const Span<V> part_in = add_rim_edge(side, edge, t, stretch(t, side.scale), ways, here, areas);
+      inside.add(i, here && part_in.lower < part_in.upper, part_in.lower, part_in.upper);
+    }
+    add_areas(ways.real, rim_moments(side, polygon, ways, areas), sum);
+  }
+  return areas.rim.too_round == number<V>(0);
 }
 
 }  // namespace lumbrical::LUMBRICAL_ISA

@@ -179,10 +179,11 @@ struct InsideParts {
   }
 };
 
-// What of the polygon lies in the section of the sphere about (x0, 0).
-template <class V, class M>
-void add_disc(const Polygon<V>& polygon, const Directions<V>& directions, V x0, V radius, V height, V most,
-              M wanted, Moments<V>& sum, InsideParts<V>& inside) {
+// What of the polygon lies in the section of a sphere about (x0, 0). `of_edge` tells what an edge adds, of
+// its chord, the sphere's distance from the plane and the disc's radius squared.
+template <class V, class M, class OfEdge>
+void add_disc(const Polygon<V>& polygon, const Directions<V>& directions, V x0, V radius, V height, M wanted,
+              Moments<V>& sum, InsideParts<V>& inside, const OfEdge& of_edge) {
   const V zero = number<V>(0), h = abs(height), rho2 = (radius - h) * (radius + h);
   const auto real = wanted && rho2 > zero;
   if (!any(real)) return;
@@ -193,7 +194,7 @@ void add_disc(const Polygon<V>& polygon, const Directions<V>& directions, V x0, 
     if (!any(here)) continue;
     const Wide2<V> from{edge.p.x - x0, edge.p.y}, to{edge.q.x - x0, edge.q.y};
     const Chord<V> chord = chord_of(from, to, directions.t[i], rho2);
-    add_where(here, disc_moments(chord, radius, h, rho2, most), own);
+    add_where(here, of_edge(chord, h, rho2), own);
     const V shift = x0 * directions.t[i].x;
     inside.add(i, here && chord.xa < chord.xb, chord.xa + shift, chord.xb + shift);
   }

@@ -1,4 +1,4 @@
-// The field law's kernels, one table per instruction set.
+// The exact rung's kernels, one table per instruction set.
 #pragma once
 
 #include "exact/border_terms.h"
@@ -18,6 +18,7 @@ namespace lumbrical {
 struct FieldKernels {
   void (*pair_kinds)(KindTerms&);
   void (*round_contacts)(RoundTerms&);
+  void (*paper_contacts)(RoundTerms&);
   void (*strip_nodes)(const StripSection&, StripNodes&);
   void (*cone_slivers)(RoundTerms&);
   void (*field_across)(CrossingTerms&);

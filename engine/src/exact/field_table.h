@@ -6,6 +6,7 @@
 #include "exact/field_across.h"
 #include "exact/field_kernels.h"
 #include "exact/pair_kinds.h"
+#include "exact/paper_contacts.h"
 #include "exact/round_contacts.h"
 #include "exact/slab_contacts.h"
 #include "exact/slab_rims.h"
@@ -17,9 +18,9 @@ namespace lumbrical::LUMBRICAL_ISA {
 
 template <class Double, class Single>
 constexpr FieldKernels table_of() {
-  return {pair_kinds<Double>,    round_contacts<Double>, strip_nodes<Double>,    cone_slivers<Double>,
-          field_across<Double>,  border_bulges<Double>,  certain_misses<Double>, sphere_hits<Single>,
-          slab_contacts<Double>, slab_rims<Double>};
+  return {pair_kinds<Double>,   round_contacts<Double>, paper_contacts<Double>, strip_nodes<Double>,
+          cone_slivers<Double>, field_across<Double>,   border_bulges<Double>,  certain_misses<Double>,
+          sphere_hits<Single>,  slab_contacts<Double>,  slab_rims<Double>};
 }
 
 }  // namespace lumbrical::LUMBRICAL_ISA

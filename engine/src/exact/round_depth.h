@@ -41,10 +41,17 @@ inline V depth_at(const RoundPart<V>& part, const RoundPlane<V>& plane, Wide2<V>
   return sqrt(max(c + t * (b + b + t * a), zero)) - plane.h1 - t * dh;
 }
 
-// The largest depth on the part of an edge inside the section.
+// A largest depth, and where in the plane.
 template <class V>
-inline V depth_along(const RoundPart<V>& part, const RoundPlane<V>& plane, Wide2<V> end, Wide2<V> t, V lower,
-                     V upper) {
+struct Deepest {
+  V depth;
+  Wide2<V> point;
+};
+
+// On the part of an edge inside the section.
+template <class V>
+inline Deepest<V> depth_along(const RoundPart<V>& part, const RoundPlane<V>& plane, Wide2<V> end, Wide2<V> t,
+                              V lower, V upper) {
   const V p = cross(end, t);
   V best = number<V>(0);
   if (!part.sphere) {
@@ -54,7 +61,8 @@ inline V depth_along(const RoundPart<V>& part, const RoundPlane<V>& plane, Wide2
     best = at * plane.x2 * t.x;
   }
   const V z = clamp(best, lower, upper);
-  return depth_at(part, plane, Wide2<V>{p * t.y + z * t.x, z * t.y - p * t.x});
+  const Wide2<V> point{p * t.y + z * t.x, z * t.y - p * t.x};
+  return {depth_at(part, plane, point), point};
 }
 
 // Where, on y = 0, the whole section is deepest: under the end that reaches deepest or, where the
@@ -81,29 +89,31 @@ V deepest_abscissa(const RoundPart<V>& part, const RoundPlane<V>& plane, const S
 // body, so on the way to the deepest point depth never falls: where that point lies outside, the deepest one
 // inside is on an edge that has it on the other side.
 template <class V, class M>
-V largest_depth(const RoundPart<V>& part, const RoundPlane<V>& plane, const SideView<V>& side,
-                const Polygon<V>& polygon, const Directions<V>& directions, const InsideParts<V>& inside,
-                M wanted) {
+Deepest<V> largest_depth(const RoundPart<V>& part, const RoundPlane<V>& plane, const SideView<V>& side,
+                         const Polygon<V>& polygon, const Directions<V>& directions,
+                         const InsideParts<V>& inside, M wanted) {
   const V zero = number<V>(0);
-  const Wide2<V> deepest{deepest_abscissa(part, plane, side), zero};
+  Deepest<V> best{zero, {deepest_abscissa(part, plane, side), zero}};
+  const Wide2<V> deepest = best.point;
   V least = number<V>(1), excess[Polygon<V>::kMost];  // negative: an edge leaves the deepest point outside
   for (std::size_t i = 0; i < polygon.count; ++i) {
     const Edge<V>& edge = polygon.edge[i];
     excess[i] = select(has_length(edge), cross(edge.q - edge.p, deepest - edge.p), zero);
     least = min(least, excess[i]);
   }
-  V depth = zero;
-  if (any(wanted && least >= zero)) depth = select(least >= zero, depth_at(part, plane, deepest), zero);
-  if (!any(wanted && least < zero)) return depth;
+  if (any(wanted && least >= zero)) best.depth = select(least >= zero, depth_at(part, plane, deepest), zero);
+  if (!any(wanted && least < zero)) return best;
   for (std::size_t i = 0; i < polygon.count; ++i) {
     const auto here = wanted && excess[i] < zero && inside.lower[i] < inside.upper[i];
     if (!any(here)) continue;
     const Edge<V>& edge = polygon.edge[i];
     const Wide2<V> near = select(dot(edge.p, edge.p) < dot(edge.q, edge.q), edge.p, edge.q);
-    const V along = depth_along(part, plane, near, directions.t[i], inside.lower[i], inside.upper[i]);
-    depth = select(here && along > depth, along, depth);
+    const Deepest<V> along =
+        depth_along(part, plane, near, directions.t[i], inside.lower[i], inside.upper[i]);
+    const auto deeper = here && along.depth > best.depth;
+    best = {select(deeper, along.depth, best.depth), select(deeper, along.point, best.point)};
   }
-  return depth;
+  return best;
 }
 
 }  // namespace lumbrical::LUMBRICAL_ISA

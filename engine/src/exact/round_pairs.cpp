@@ -15,8 +15,8 @@ constexpr double kFar = 1e300;  // [m] a sphere is its first end
 }  // namespace
 
 bool suits_lanes(const Primitive& primitive) {
-  return primitive.law == Law::field && primitive.shape == Shape::round && is_finite(primitive.radius1) &&
-         is_finite(primitive.radius2);
+  return (primitive.law == Law::field || follows_paper(primitive)) && primitive.shape == Shape::round &&
+         is_finite(primitive.radius1) && is_finite(primitive.radius2);
 }
 
 CutPlane seen_from(Vec3 origin, const HalfSpace& space) {

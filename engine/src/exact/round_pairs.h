@@ -35,22 +35,29 @@ struct RoundHull {
 };
 RoundHull round_hull(const Primitive& primitive);
 
+/// Is the primitive a part of a finger whose force the paper takes from the largest depth?
+inline bool follows_paper(const Primitive& primitive) {
+  return (primitive.law == Law::max_depth || primitive.law == Law::point) && primitive.phalanx[0] >= 0;
+}
+
 /// Is the primitive one the kernels know?
 bool suits_lanes(const Primitive& primitive);
 
-/// What the pairs of a register have in common: spheres, capsules or cones, and their zone.
+/// What the pairs of a register have in common: spheres, capsules or cones, their zone, and whether they
+/// follow the paper.
 struct RoundKind {
-  static constexpr std::size_t kCount = 3 * kRoundZones;
+  static constexpr std::size_t kCount = 2 * 3 * kRoundZones;
   bool sphere = false, cone = false;
   RoundZone zone = RoundZone::first_end;
+  bool paper = false;
   [[nodiscard]] constexpr std::uint8_t number() const {
-    const std::size_t shape = sphere ? 0 : cone ? 2 : 1;
+    const std::size_t shape = (sphere ? 0u : cone ? 2u : 1u) + (paper ? 3u : 0u);
     return static_cast<std::uint8_t>(shape * kRoundZones + static_cast<std::size_t>(zone));
   }
 };
 constexpr RoundKind round_kind(std::size_t number) {
   const std::size_t shape = number / kRoundZones;
-  return {shape == 0, shape == 2, static_cast<RoundZone>(number % kRoundZones)};
+  return {shape % 3 == 0, shape % 3 == 2, static_cast<RoundZone>(number % kRoundZones), shape >= 3};
 }
 
 /// The primitive whose pairs are to be sorted; its borders are left as they are.

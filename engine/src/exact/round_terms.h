@@ -1,9 +1,9 @@
-// Pairs of round primitives of one kind with triangles under the field law: what the narrowphase hands to the
-// SIMD kernels and what it gets back. Structure of arrays; a pair is a lane.
+// Pairs of round primitives of one kind with triangles: what the narrowphase hands to the SIMD kernels and
+// what it gets back. Structure of arrays; a pair is a lane.
 //
-// `round_contacts` sets all results. `cone_slivers`, for those it leaves without, sets the status, kContact
-// or kUnsure; the volume, what the slivers add to it; and the centre, what they add to the volume's first
-// moment [m^4].
+// `round_contacts` sets all results, `paper_contacts` all but the volume, with the deepest point for a
+// centre. `cone_slivers`, for those it leaves without, sets the status, kContact or kUnsure; the volume, what
+// the slivers add to it; and the centre, what they add to the volume's first moment [m^4].
 #pragma once
 
 #include <cstddef>

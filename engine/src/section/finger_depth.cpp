@@ -89,6 +89,20 @@ Deepest finger_depth(const Primitives& hand, const Primitive& primitive, const S
   return best;
 }
 
+bool go_through_finger(const Primitives& hand, const Primitive& primitive, Vec3 from, Vec3 n, Vec3 along,
+                       double& depth) {
+  if (!(depth > 0)) return false;
+  const Vec3 exit = from - depth * n;
+  double more = 0;
+  for (const int phalanx : primitive.phalanx) {
+    if (phalanx < 0) continue;
+    if (!is_depth_in(hand.capsule[static_cast<std::size_t>(phalanx)], primitive, exit)) return false;
+    more = max(more, onward(hand, phalanx, exit, n, along));
+  }
+  depth += more;
+  return true;
+}
+
 double finger_depth_at(const Primitives& hand, const Primitive& primitive, const Section& section, Point2 p) {
   const double own = depth_at(section, p);
   const Vec3 n = section.n, start = to_world(section, p);

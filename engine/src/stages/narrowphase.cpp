@@ -15,6 +15,7 @@
 #include "exact/round_pairs.h"
 #include "exact/slab_pairs.h"
 #include "exact/through_lanes.h"
+#include "section/finger_depth.h"
 #include "section/slab.h"
 
 namespace lumbrical {
@@ -100,7 +101,7 @@ void sort_round(std::span<const Contact> contacts, Work& work) {
   const auto index = static_cast<std::uint8_t>(contacts[0].primitive);
   const Primitive& primitive = hand.primitive[index];
   const RoundHull& hull = work.hulls[index];
-  RoundKind kind{hull.is_sphere(), hull.is_cone()};
+  RoundKind kind{.sphere = hull.is_sphere(), .cone = hull.is_cone(), .paper = follows_paper(primitive)};
   KindTerms terms;
   set_hull(hull, terms);
   for (const bool outer : {false, true}) {
@@ -197,6 +198,30 @@ void gather_round(Work& work, std::uint32_t slot, std::size_t k, RoundTerms& ter
   put(std::array{seen_from(hull.origin, own->cut[0]), seen_from(hull.origin, own->cut[1])});
 }
 
+// What a kernel has found of a pair.
+void take_round(Work& work, std::uint32_t slot, std::size_t k, const RoundTerms& terms) {
+  const double status = terms.status[k];
+  if (status == kUnsure) work.alone.push_back(slot);
+  if (status == kSlivers) work.slivers.push_back(slot);
+  if (status == kContact || status == kSlivers)
+    read_contact(terms, k, work.hull(slot).origin, work.pairs.contact[slot]);
+}
+
+// The same under the paper's laws: the contact's centre is the deepest point of the primitive, whose depth
+// goes on through the finger.
+void take_paper(Work& work, std::uint32_t slot, std::size_t k, const RoundTerms& terms) {
+  take_round(work, slot, k, terms);
+  if (terms.status[k] != kContact) return;
+  Contact& contact = work.pairs.contact[slot];
+  const Primitive& primitive = work.pairs.primitive(slot);
+  const Vec3 along = vector_at(terms.b, k) - vector_at(terms.a, k);
+  if (go_through_finger(work.pairs.hand, primitive, contact.centre, contact.normal, along, contact.depth)) {
+    press_by_depth(primitive.law, work.point_area, contact.centre, contact);
+  } else {
+    work.alone.push_back(slot);
+  }
+}
+
 void collide_round(Work& work) {
   std::array<std::size_t, RoundKind::kCount + 1> start{};
   for (const std::uint32_t slot : work.round) ++start[work.kind[slot] + 1u];
@@ -209,17 +234,16 @@ void collide_round(Work& work) {
   const auto gather = [&](std::uint32_t slot, std::size_t k, RoundTerms& to) {
     gather_round(work, slot, k, to);
   };
-  const auto give = [&](std::uint32_t slot, std::size_t k, const RoundTerms& from) {
-    if (from.status[k] == kUnsure) work.alone.push_back(slot);
-    if (from.status[k] == kSlivers) work.slivers.push_back(slot);
-    if (from.status[k] == kContact || from.status[k] == kSlivers)
-      read_contact(from, k, work.hull(slot).origin, work.pairs.contact[slot]);
-  };
   for (std::size_t kind = 0; kind < RoundKind::kCount; ++kind) {
+    const bool paper = round_kind(kind).paper;
     set_kind(round_kind(kind), work.cut_count[kind], terms);
     const std::span<std::uint32_t> slots =
         std::span(by_kind).subspan(start[kind], start[kind + 1] - start[kind]);
-    through_lanes(slots, terms, work.pairs.kernels.round_contacts, gather, give);
+    const FieldKernels& kernels = work.pairs.kernels;
+    through_lanes(slots, terms, paper ? kernels.paper_contacts : kernels.round_contacts, gather,
+                  [&](std::uint32_t slot, std::size_t k, const RoundTerms& from) {
+                    paper ? take_paper(work, slot, k, from) : take_round(work, slot, k, from);
+                  });
   }
 }
 
