@@ -3,6 +3,15 @@
 namespace lumbrical {
 namespace {
 
+// Is a point certainly outside a phalanx? Most are, and then no section of it is needed.
+bool is_clear_of(const Primitive& capsule, Vec3 point) {
+  constexpr double kMargin = 1.000001;  // rounding must not lose a point of its surface
+  const Vec3 axis = capsule.end2 - capsule.end1, from = point - capsule.end1;
+  const double length2 = dot(axis, axis), reach = kMargin * max(capsule.radius1, capsule.radius2);
+  const Vec3 off = from - (length2 > 0 ? clamp(dot(from, axis) / length2, 0, 1) : 0) * axis;
+  return dot(off, off) > reach * reach;
+}
+
 // How far beyond `from` the line along -n runs on through other phalanges of the finger than `own`.
 double onward(const Primitives& hand, int own, Vec3 from, Vec3 n, Vec3 along) {
   const int first = own - own % 3;
@@ -14,8 +23,9 @@ double onward(const Primitives& hand, int own, Vec3 from, Vec3 n, Vec3 along) {
     for (int i = 0; i < 3; ++i) {
       const std::size_t phalanx = static_cast<std::size_t>(first + i);
       if (passed[i] || !hand.present[phalanx]) continue;
-      Section section;
       const Vec3 point = from - depth * n;
+      if (is_clear_of(hand.capsule[phalanx], point)) continue;
+      Section section;
       if (!look_along(hand.capsule[phalanx], point, n, along, section)) continue;
       const Point2 p{dot(point - section.origin, section.u), dot(point - section.origin, section.v)};
       if (!inside_section(section, p)) continue;
