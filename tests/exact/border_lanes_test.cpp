@@ -85,7 +85,7 @@ struct Found {
 };
 
 // The pairs with the kernel of one table.
-std::vector<Found> in_lanes(const FieldKernels& kernels, const Primitives& hand,
+std::vector<Found> in_lanes(const ExactKernels& kernels, const Primitives& hand,
                             const std::vector<Crossed>& pairs) {
   std::vector<std::array<Vec3, 3>> triangles;
   for (const Crossed& pair : pairs) triangles.push_back({pair.at.a, pair.at.b, pair.at.c});
@@ -164,7 +164,7 @@ TEST(BorderLanes, GiveChordsAndBulgesOfOneBorderAtATime) {
     test::Random random(31000 + i);
     const Primitives hand = random_finger(random);
     const std::vector<Crossed> pairs = crossed_by(hand, random, 60);
-    const std::vector<Found> found = in_lanes(field_kernels(Isa::scalar), hand, pairs);
+    const std::vector<Found> found = in_lanes(exact_kernels(Isa::scalar), hand, pairs);
     ASSERT_EQ(found.size(), pairs.size());
     for (std::size_t k = 0; k < pairs.size(); ++k) {
       const auto& [index, t, cuts] = pairs[k];
@@ -175,7 +175,7 @@ TEST(BorderLanes, GiveChordsAndBulgesOfOneBorderAtATime) {
       ++clear;
       const BulgeMoments& bulge = found[k].own.bulge;
       const TileBorders near = borders_in_reach(hand, tile, t);
-      const BorderCut alone = cut_at_borders(field_kernels(Isa::scalar), hand, tile, near, t);
+      const BorderCut alone = cut_at_borders(exact_kernels(Isa::scalar), hand, tile, near, t);
       if (!alone.crosses) {
         EXPECT_LT(std::fabs(bulge.volume), 1e-12 * square * kRadius) << i << ' ' << k;
         continue;
@@ -208,10 +208,10 @@ TEST(BorderLanes, HaveTheSameBitsWithEveryInstructionSet) {
     test::Random random(32000 + i);
     const Primitives hand = random_finger(random);
     const std::vector<Crossed> pairs = crossed_by(hand, random, 60);
-    const std::vector<Found> expected = in_lanes(field_kernels(Isa::scalar), hand, pairs);
+    const std::vector<Found> expected = in_lanes(exact_kernels(Isa::scalar), hand, pairs);
     for (const Isa isa : {Isa::sse2, Isa::avx2, Isa::avx512, Isa::neon}) {
       if (!available(isa)) continue;
-      const std::vector<Found> found = in_lanes(field_kernels(isa), hand, pairs);
+      const std::vector<Found> found = in_lanes(exact_kernels(isa), hand, pairs);
       ASSERT_EQ(found.size(), expected.size());
       for (std::size_t k = 0; k < found.size(); ++k) {
         const OwnCuts &one = expected[k].own, &other = found[k].own;

@@ -280,7 +280,7 @@ Pair pair_by_an_end(test::Random& random) {
 // digits the rest are.
 TEST(ConeSlivers, NextToTheAxisAgreeWithTheReference) {
   test::Random random(31);
-  const FieldKernels& kernels = field_kernels(Isa::scalar);
+  const ExactKernels& kernels = exact_kernels(Isa::scalar);
   const auto terms = std::make_unique<RoundTerms>();
   int added = 0, moved = 0, left = 0;
   for (int i = 0; i < 2000; ++i) {

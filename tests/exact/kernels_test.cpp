@@ -8,7 +8,7 @@
 #include <regex>
 #include <string>
 
-#include "exact/field_kernels.h"
+#include "exact/exact_kernels.h"
 #include "random.h"
 #include "stages/narrowphase.h"
 
@@ -55,7 +55,7 @@ TEST(Kernels, WhatTheyCallACertainMissHasNoContact) {
       set_corner(terms.b, k, corners[k][1]);
       set_corner(terms.c, k, corners[k][2]);
     }
-    field_kernels(Isa::scalar).certain_misses(terms);
+    exact_kernels(Isa::scalar).certain_misses(terms);
     for (std::size_t k = 0; k < terms.count; ++k) {
       Contact contact;
       const bool touching = collide(p, {Law::max_depth, 1e-4, nullptr},
@@ -83,7 +83,7 @@ TEST(Kernels, LeaveNoFunctionBehindThatOthersCouldPickUp) {
   char line[4096];
   while (std::fgets(line, sizeof line, pipe.get()) != nullptr) {
     const std::string text = line;
-    const bool of_field = text.find("field_kernels_") != std::string::npos;
+    const bool of_field = text.find("exact_kernels_") != std::string::npos;
     const bool of_samples = text.find("sample_kernels_") != std::string::npos;
     field_symbols += of_field ? 1 : 0;
     sample_symbols += of_samples ? 1 : 0;

@@ -138,7 +138,7 @@ Pressed press(const Slab& slab, Isa isa, const std::vector<Triangle3>& triangles
   const Triangles world = test::loose_triangles(triangles);
   const Primitives hand;
   PairList alone;
-  collide_slab_pairs({world, hand, field_kernels(isa), pressed.contact}, slab, list, alone);
+  collide_slab_pairs({world, hand, exact_kernels(isa), pressed.contact}, slab, list, alone);
   pressed.left = alone.size();
   for (const std::uint32_t slot : alone) {
     const Triangle3& t = triangles[slot];

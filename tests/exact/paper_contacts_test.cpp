@@ -21,7 +21,7 @@ struct Found {
 };
 
 void expect_agreement(const Pair& pair, Isa isa, Found& found) {
-  const FieldKernels& kernels = field_kernels(isa);
+  const ExactKernels& kernels = exact_kernels(isa);
   const RoundHull hull = round_hull(pair.primitive);
   const RoundKind kind = kind_of(kernels, hull, seen_from(hull.origin, pair.at));
   std::vector<double> status;
@@ -78,7 +78,7 @@ TEST(PaperContacts, AreTheSameWhateverSharesTheirRegister) {
     std::vector<Pair> pairs;
     for (int i = 0; i < 1000; ++i) pairs.push_back(any_pair(random, shape));
     const RoundKind kind{shape == 0, shape == 2, RoundZone::inner, true};
-    const std::vector<double> status = expect_same_alone(&FieldKernels::paper_contacts, kind, pairs);
+    const std::vector<double> status = expect_same_alone(&ExactKernels::paper_contacts, kind, pairs);
     EXPECT_GT(std::count(status.begin(), status.end(), kContact), 300);
   }
 }
@@ -126,7 +126,7 @@ TEST(PaperContacts, OfAFingerAreThoseOfTheGeneralPathThroughAllPhalanges) {
     Boundary boundary;
     for (const Contact& contact : contacts) {
       Contact general = contact;
-      hand_contact(hand, field_kernels(Isa::scalar), kPointArea,
+      hand_contact(hand, exact_kernels(Isa::scalar), kPointArea,
                    corners_of(model.triangles, contact.triangle), boundary, general);
       if (!(general.area > 1e-12 * kPairRadius * kPairRadius)) continue;
       ++touching;

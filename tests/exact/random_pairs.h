@@ -103,16 +103,16 @@ inline std::vector<Contact> through(void (*kernel)(RoundTerms&), RoundKind kind,
 }
 
 // A register takes the way of all its pairs, and none may show another's. Returns what became of each pair.
-inline std::vector<double> expect_same_alone(void (*FieldKernels::*kernel)(RoundTerms&), RoundKind kind,
+inline std::vector<double> expect_same_alone(void (*ExactKernels::*kernel)(RoundTerms&), RoundKind kind,
                                              std::span<const Pair> pairs) {
   std::vector<double> status, alone_status;
-  const std::vector<Contact> contacts = through(field_kernels(widest_isa()).*kernel, kind, pairs, status);
+  const std::vector<Contact> contacts = through(exact_kernels(widest_isa()).*kernel, kind, pairs, status);
   for (std::size_t i = 0; i < pairs.size(); ++i) {
     const Contact alone =
-        through(field_kernels(Isa::scalar).*kernel, kind, pairs.subspan(i, 1), alone_status)[0];
+        through(exact_kernels(Isa::scalar).*kernel, kind, pairs.subspan(i, 1), alone_status)[0];
     EXPECT_EQ(status[i], alone_status[0]) << i;
     const bool found = status[i] == kContact || status[i] == kSlivers;
-    const bool sliver = kernel == &FieldKernels::cone_slivers;
+    const bool sliver = kernel == &ExactKernels::cone_slivers;
     EXPECT_TRUE(!found || (alone.volume == contacts[i].volume && alone.centre == contacts[i].centre)) << i;
     EXPECT_TRUE(!found || sliver || std::memcmp(&alone, &contacts[i], sizeof alone) == 0) << i;
   }

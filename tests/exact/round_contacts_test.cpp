@@ -23,7 +23,7 @@ void expect_agreement(const Pair& pair, Isa isa, int& touching) {
     aside.law = Law::column;  // keeps it from the kernel; the law asked for stays the query's
     return collide(aside, query, pair.at, boundary, general);
   }();
-  const ContactQuery in_lanes{Law::field, 1e-4, nullptr, field_kernels(isa)};
+  const ContactQuery in_lanes{Law::field, 1e-4, nullptr, exact_kernels(isa)};
   const bool touches = collide(pair.primitive, in_lanes, pair.at, boundary, contact);
   const double r = kPairRadius, area = r * r, volume = r * r * r;
   if (touches != expected) {
@@ -141,18 +141,18 @@ TEST(RoundContacts, AreTheSameWhateverSharesTheirRegister) {
         const Pair pair = flat ? flat_pair(random, shape) : any_pair(random, shape);
         const RoundHull hull = round_hull(pair.primitive);
         const Corners at = seen_from(hull.origin, pair.at);
-        if ((kind_of(field_kernels(Isa::scalar), hull, at).zone == RoundZone::flat) == flat)
+        if ((kind_of(exact_kernels(Isa::scalar), hull, at).zone == RoundZone::flat) == flat)
           pairs.push_back(pair);
       }
       const RoundKind kind{false, shape == 2, flat ? RoundZone::flat : RoundZone::inner};
-      const std::vector<double> status = expect_same_alone(&FieldKernels::round_contacts, kind, pairs);
+      const std::vector<double> status = expect_same_alone(&ExactKernels::round_contacts, kind, pairs);
       std::vector<Pair> slivers;
       for (std::size_t i = 0; i < pairs.size(); ++i) {
         if (status[i] == kSlivers) slivers.push_back(pairs[i]);
       }
       EXPECT_GT(std::count(status.begin(), status.end(), kContact), 100);
       EXPECT_TRUE(shape == 1 || slivers.size() > 50);
-      expect_same_alone(&FieldKernels::cone_slivers, kind, slivers);
+      expect_same_alone(&ExactKernels::cone_slivers, kind, slivers);
     }
   }
 }

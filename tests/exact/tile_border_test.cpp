@@ -21,7 +21,7 @@ Contact alone(const Primitives& hand, const Primitive& tile, const Corners& t) {
   Contact contact;
   const TileBorders borders = borders_on(hand, tile, t);
   const bool touches =
-      borders.any() ? collide_shared(hand, tile, borders, field_kernels(Isa::scalar), t, boundary, contact)
+      borders.any() ? collide_shared(hand, tile, borders, exact_kernels(Isa::scalar), t, boundary, contact)
                     : collide(tile, {tile.law, 1e-4, &hand}, t, boundary, contact);
   return touches ? contact : Contact{};
 }
@@ -269,7 +269,7 @@ TEST(TileBorder, PlanesAreExactWhereTheBorderDoesNotMatter) {
       Boundary boundary;
       Contact quick, slow;
       const bool touches = collide(tile, {Law::field, 1e-4, &hand}, t, boundary, quick);
-      if (!collide_shared(doubtful, doubtful.primitive[k], everywhere, field_kernels(Isa::scalar), t,
+      if (!collide_shared(doubtful, doubtful.primitive[k], everywhere, exact_kernels(Isa::scalar), t,
                           boundary, slow))
         slow = {};
       if (!touches) quick = {};
@@ -305,7 +305,7 @@ TEST(TileBorder, LanesAndBulgesGiveWhatOnePairAloneGives) {
       const Vec3 off = seen.volume * (seen.centre - t.a) - expected.volume * (expected.centre - t.a);
       EXPECT_LT(norm(off), 1e-9 * std::pow(kRadius, 4)) << i << ' ' << pair;
       const BorderCut how =
-          cut_at_borders(field_kernels(Isa::scalar), hand, tile, borders_in_reach(hand, tile, t), t);
+          cut_at_borders(exact_kernels(Isa::scalar), hand, tile, borders_in_reach(hand, tile, t), t);
       cut += how.kind == CutKind::other;
       curved += how.kind == CutKind::other && how.crosses;
       gone += how.kind == CutKind::gone;

@@ -9,7 +9,7 @@
 #include <cstdlib>
 
 #include "box_palm.h"
-#include "exact/field_kernels.h"
+#include "exact/exact_kernels.h"
 #include "pressed_hand.h"
 #include "random.h"
 #include "session.h"
@@ -177,7 +177,7 @@ TEST(NearPairs, GiveTheCandidatesOfBruteForceOnWalksRestsAndJumps) {
 // what was called sure does not.
 TEST(NearPairs, NoMotionWithinTheSkinTurnsAMissIntoAHitOrASureHitIntoAMiss) {
   Random random(12);
-  const FieldKernels& kernels = field_kernels(widest_isa());
+  const ExactKernels& kernels = exact_kernels(widest_isa());
   std::size_t left_out = 0, sure = 0, most_used = 0;
   for (int i = 0; i < samples(20000); ++i) {
     const double scale = std::pow(10.0, random.between(-3, 2));

@@ -315,7 +315,7 @@ void integrate_way(const Section& section, const Slant& slant, Point2 foot, Poin
 }
 
 struct BulgeSum {
-  const FieldKernels& kernels;
+  const ExactKernels& kernels;
   const Section& section;
   const Slant& slant;
   Border& border;
@@ -323,7 +323,7 @@ struct BulgeSum {
   CrossingTerms ways;
   std::array<double, CrossingTerms::kCapacity> weight{};  // [m], along the chord
 
-  BulgeSum(const FieldKernels& k, const Section& s, const Slant& l, Border& b, Bulge& sum)
+  BulgeSum(const ExactKernels& k, const Section& s, const Slant& l, Border& b, Bulge& sum)
       : kernels(k), section(s), slant(l), border(b), bulge(sum), ways(crossing_terms(s, l, b.chord)) {}
 
   void add(double s, double along) {
@@ -352,7 +352,7 @@ struct BulgeSum {
 
 }  // namespace
 
-bool integrate_bulge(const FieldKernels& kernels, const Section& section, const Rival& rival,
+bool integrate_bulge(const ExactKernels& kernels, const Section& section, const Rival& rival,
                      const Chord& chord, Bulge& bulge) {
   Border border(rival, chord);
   bulge = {};

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "borders/tile_rival.h"
-#include "exact/field_kernels.h"
+#include "exact/exact_kernels.h"
 #include "section/pressure.h"
 
 namespace lumbrical {
@@ -34,7 +34,7 @@ enum class Course : std::uint8_t {
 Course follow_border(const Section& section, const Rival& rival, Chord& chord);
 
 /// Integrals over what lies between such a chord and its border. False where the border is no curve over it.
-bool integrate_bulge(const FieldKernels& kernels, const Section& section, const Rival& rival,
+bool integrate_bulge(const ExactKernels& kernels, const Section& section, const Rival& rival,
                      const Chord& chord, Bulge& bulge);
 
 /// What a bulge adds to the integrals of d phi / dn that a contact's Jacobian is made of: the integral over

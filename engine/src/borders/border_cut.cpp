@@ -71,7 +71,7 @@ BulgeMoments in_space(const Section& section, const Bulge& bulge) {
 }
 
 // The cut along the part of a border inside the section; false where it is not as simple as that.
-bool cut_along_border(const FieldKernels& kernels, const Primitives& hand, const Primitive& tile,
+bool cut_along_border(const ExactKernels& kernels, const Primitives& hand, const Primitive& tile,
                       const BorderCrossing& crossing, const Corners& at, HalfSpace& half_space,
                       BorderCut& cut) {
   Vec3 n;
@@ -117,7 +117,7 @@ bool keeps_to(const HalfSpace& space, Vec3 joint, Vec3 from, Vec3 to, double hei
   return most - space.offset <= -height;
 }
 
-BorderCut cut_at_borders(const FieldKernels& kernels, const Primitives& hand, const Primitive& tile,
+BorderCut cut_at_borders(const ExactKernels& kernels, const Primitives& hand, const Primitive& tile,
                          const TileBorders& near, const Corners& at) {
   const TriangleCuts cuts = cross_borders(hand, tile, near, at);
   const auto& [inner, outer] = cuts.crossing;

@@ -5,7 +5,7 @@
 #include <array>
 
 #include "borders/border_cross.h"
-#include "exact/field_kernels.h"
+#include "exact/exact_kernels.h"
 #include "lumbrical/contact.h"
 #include "section/pressure.h"
 
@@ -32,7 +32,7 @@ struct BorderCut {
 
 /// How `tile` [suits_lanes] and its neighbours share out the triangle `at` [m, W], `near` the borders in
 /// its reach. Two borders that cross it are `general` here, and so is one whose bulge can't be integrated.
-BorderCut cut_at_borders(const FieldKernels& kernels, const Primitives& hand, const Primitive& tile,
+BorderCut cut_at_borders(const ExactKernels& kernels, const Primitives& hand, const Primitive& tile,
                          const TileBorders& near, const Corners& at);
 
 /// Does what lies no farther than `height` from the chord keep to the side of `space` that is kept? Its ends

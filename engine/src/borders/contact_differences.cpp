@@ -22,7 +22,7 @@ struct MovedContact {
 };
 
 // Of the contact as it is when the hand has moved by `shift` and turned by a small angle about the joint.
-MovedContact contact_of_moved(const FieldKernels& kernels, const Primitives& hand, Contact contact,
+MovedContact contact_of_moved(const ExactKernels& kernels, const Primitives& hand, Contact contact,
                               Vec3 joint, const Corners& at, Vec3 shift, Vec3 angle) {
   const Quat turn = normalized({1, 0.5 * angle.x, 0.5 * angle.y, 0.5 * angle.z});
   const auto seen = [&](Vec3 p) { return joint + rotate(conjugate(turn), p - joint - shift); };
@@ -35,7 +35,7 @@ MovedContact contact_of_moved(const FieldKernels& kernels, const Primitives& han
 
 }  // namespace
 
-bool add_contact_differences(const FieldKernels& kernels, const Primitives& hand, const Contact& contact,
+bool add_contact_differences(const ExactKernels& kernels, const Primitives& hand, const Contact& contact,
                              Vec3 joint, const Corners& at, Matrix6& sum) {
   const Primitive& primitive = hand.primitive[contact.primitive];
   const double radius = max(primitive.radius1, primitive.radius2);

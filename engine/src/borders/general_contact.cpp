@@ -96,7 +96,7 @@ void press_by_depth(Law law, double point_area, Vec3 deepest, Contact& contact) 
   contact.centre = point ? deepest : contact.centroid;
 }
 
-void hand_contact(const Primitives& hand, const FieldKernels& kernels, double point_area, const Corners& at,
+void hand_contact(const Primitives& hand, const ExactKernels& kernels, double point_area, const Corners& at,
                   Boundary& boundary, Contact& contact) {
   const Primitive& primitive = hand.primitive[contact.primitive];
   contact.error = 0;

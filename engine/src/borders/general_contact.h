@@ -2,7 +2,7 @@
 // unsure of.
 #pragma once
 
-#include "exact/field_kernels.h"
+#include "exact/exact_kernels.h"
 #include "lumbrical/contact.h"
 #include "model/primitive.h"
 #include "section/section.h"
@@ -15,7 +15,7 @@ struct ContactQuery {
   double point_area = 1e-4;  ///< [m^2] Settings::point_area
   const Primitives* hand =
       nullptr;  ///< whose phalanges the paper's depth runs through; none: the primitive alone
-  const FieldKernels& kernels = field_kernels(Isa::scalar);
+  const ExactKernels& kernels = exact_kernels(Isa::scalar);
   bool depth = true;  ///< tell Contact::depth even where the law does without
 };
 
@@ -31,7 +31,7 @@ void press_by_depth(Law law, double point_area, Vec3 deepest, Contact& contact);
 /// Contact of the primitive of a hand that contact.primitive names with the triangle `at` [m, W], whatever
 /// it is and shares out with others; without depth where the law does without. An area of zero marks that
 /// there is none.
-void hand_contact(const Primitives& hand, const FieldKernels& kernels, double point_area, const Corners& at,
+void hand_contact(const Primitives& hand, const ExactKernels& kernels, double point_area, const Corners& at,
                   Boundary& boundary, Contact& contact);
 
 /// Contact::depth of such a contact of a round primitive under the field law.

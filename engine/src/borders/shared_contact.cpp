@@ -36,7 +36,7 @@ constexpr std::size_t kMostParts = 128;
 
 struct Work {
   Section& section;  // its polygon is the part at hand
-  const FieldKernels& kernels;
+  const ExactKernels& kernels;
   Boundary& boundary;
   std::uint32_t rival_count = 0;
   std::array<Rival, 2> rival{};
@@ -335,7 +335,7 @@ void cut_to_section(const Section& section, Polygon2& polygon) {
 }  // namespace
 
 bool collide_shared(const Primitives& hand, const Primitive& tile, const TileBorders& borders,
-                    const FieldKernels& kernels, const Corners& at, Boundary& boundary, Contact& contact) {
+                    const ExactKernels& kernels, const Corners& at, Boundary& boundary, Contact& contact) {
   const std::size_t phalanx = tile.segment, place = phalanx % 3;
   // Where a border is not its plane it still has to lie near it; the others' planes are exact.
   Primitive cut = tile;

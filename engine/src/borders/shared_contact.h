@@ -3,7 +3,7 @@
 #pragma once
 
 #include "borders/joint_border.h"
-#include "exact/field_kernels.h"
+#include "exact/exact_kernels.h"
 #include "lumbrical/contact.h"
 #include "model/primitive.h"
 #include "section/section.h"
@@ -14,6 +14,6 @@ namespace lumbrical {
 /// tile and triangle have no area in common. `borders` are those on this triangle; where there are none, the
 /// contact with the tile cut by its planes is the same.
 bool collide_shared(const Primitives& hand, const Primitive& tile, const TileBorders& borders,
-                    const FieldKernels& kernels, const Corners& at, Boundary& boundary, Contact& contact);
+                    const ExactKernels& kernels, const Corners& at, Boundary& boundary, Contact& contact);
 
 }  // namespace lumbrical

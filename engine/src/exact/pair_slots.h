@@ -5,7 +5,7 @@
 #include <span>
 
 #include "base/fixed_list.h"
-#include "exact/field_kernels.h"
+#include "exact/exact_kernels.h"
 #include "lumbrical/contact.h"
 #include "model/corners.h"
 #include "model/primitive.h"
@@ -15,7 +15,7 @@ namespace lumbrical {
 struct PairSlots {
   const Triangles& world;
   const Primitives& hand;
-  const FieldKernels& kernels;
+  const ExactKernels& kernels;
   std::span<Contact> contact;  ///< names the pair; an area of 0 marks that there is no contact
 
   [[nodiscard]] const Primitive& primitive(std::uint32_t slot) const {

@@ -54,7 +54,7 @@ void set_hull(const RoundHull& hull, KindTerms& terms) {
   terms.cosine = hull.cosine;
 }
 
-RoundKind kind_of(const FieldKernels& kernels, const RoundHull& hull, const Corners& at) {
+RoundKind kind_of(const ExactKernels& kernels, const RoundHull& hull, const Corners& at) {
   KindTerms terms;
   set_hull(hull, terms);
   put_corners(at, 0, terms);

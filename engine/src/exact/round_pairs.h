@@ -5,7 +5,7 @@
 #include <array>
 #include <span>
 
-#include "exact/field_kernels.h"
+#include "exact/exact_kernels.h"
 #include "exact/kind_terms.h"
 #include "lumbrical/contact.h"
 #include "model/corners.h"
@@ -64,7 +64,7 @@ constexpr RoundKind round_kind(std::size_t number) {
 void set_hull(const RoundHull& hull, KindTerms& terms);
 
 /// The kind of a pair by itself, seen from the hull's origin.
-RoundKind kind_of(const FieldKernels& kernels, const RoundHull& hull, const Corners& at);
+RoundKind kind_of(const ExactKernels& kernels, const RoundHull& hull, const Corners& at);
 
 /// The triangle seen from `origin` [m, W].
 inline Corners seen_from(Vec3 origin, const Corners& at) {

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <span>
 
-#include "exact/field_kernels.h"
+#include "exact/exact_kernels.h"
 #include "lumbrical/contact.h"
 #include "lumbrical/search_memory.h"
 #include "model/primitive.h"
@@ -24,7 +24,7 @@ struct FoundPairs {
 struct PairSearch {
   const Model& model;
   const Primitives& hand;
-  const FieldKernels& kernels;
+  const ExactKernels& kernels;
   SearchMemory& memory;
   MissTerms& terms;
   FoundPairs& found;

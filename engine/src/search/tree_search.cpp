@@ -49,7 +49,7 @@ SphereQuery query_of(const TreeHead& tree, const Primitive& primitive) {
 
 std::span<const std::uint32_t> search_leaves(const TreeHead& tree, const TreeLayout& layout,
                                              const TreeLine* lines, const SphereQuery& query,
-                                             const FieldKernels& kernels,
+                                             const ExactKernels& kernels,
                                              std::array<std::vector<std::uint32_t>, 2>& frontier) {
   if (tree.level_count == 0) return {};
   std::size_t level = tree.level_count;

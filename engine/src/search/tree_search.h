@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "exact/field_kernels.h"
+#include "exact/exact_kernels.h"
 #include "index/sphere_tree.h"
 #include "model/primitive.h"
 
@@ -29,7 +29,7 @@ SphereQuery query_of(const TreeHead& tree, const Primitive& primitive);
 /// from its last level down.
 std::span<const std::uint32_t> search_leaves(const TreeHead& tree, const TreeLayout& layout,
                                              const TreeLine* lines, const SphereQuery& query,
-                                             const FieldKernels& kernels,
+                                             const ExactKernels& kernels,
                                              std::array<std::vector<std::uint32_t>, 2>& frontier);
 
 }  // namespace lumbrical

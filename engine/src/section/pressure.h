@@ -1,7 +1,7 @@
 // Integrals of depth over the contacted area: what the exact laws multiply with the stiffness.
 #pragma once
 
-#include "exact/field_kernels.h"
+#include "exact/exact_kernels.h"
 #include "section/section.h"
 
 namespace lumbrical {
@@ -18,7 +18,7 @@ struct PressureMoments {
 double field_at(const Section& section, Point2 p);
 
 /// Integral of phi over what polygon and section have in common, of which area and boundary are known.
-PressureMoments field_moments(const FieldKernels& kernels, const Section& section, const AreaMoments& area,
+PressureMoments field_moments(const ExactKernels& kernels, const Section& section, const AreaMoments& area,
                               const Boundary& boundary);
 
 /// Integral of d phi / dn, how fast phi changes along the normal of the plane, over the same region: of

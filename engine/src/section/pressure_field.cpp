@@ -6,7 +6,7 @@
 // and the same with the distance to the axis line on the side of a cylinder or cone.
 #include <cmath>
 
-#include "exact/field_kernels.h"
+#include "exact/exact_kernels.h"
 #include "section/boundary_integral.h"
 #include "section/field.h"
 #include "section/pressure.h"
@@ -122,7 +122,7 @@ StripSection strip_section(const Section& section, const Slant& slant) {
 }
 
 // Computes the nodes gathered so far and adds them up, in their order.
-void add_nodes(const FieldKernels& kernels, const StripSection& section, StripNodes& nodes,
+void add_nodes(const ExactKernels& kernels, const StripSection& section, StripNodes& nodes,
                PressureMoments& sum) {
   for (std::size_t k = nodes.count; k % 16 != 0; ++k) nodes.x[k] = nodes.y[k] = 0;
   kernels.strip_nodes(section, nodes);
@@ -135,7 +135,7 @@ void add_nodes(const FieldKernels& kernels, const StripSection& section, StripNo
   nodes.count = 0;
 }
 
-PressureMoments field_by_boundary(const FieldKernels& kernels, const Section& section, const Slant& slant,
+PressureMoments field_by_boundary(const ExactKernels& kernels, const Section& section, const Slant& slant,
                                   const Boundary& boundary) {
   PressureMoments sum;
   StripNodes nodes;
@@ -177,7 +177,7 @@ double field_at(const Section& section, Point2 p) {
   return field_of(section, slant, p);
 }
 
-PressureMoments field_moments(const FieldKernels& kernels, const Section& section, const AreaMoments& area,
+PressureMoments field_moments(const ExactKernels& kernels, const Section& section, const AreaMoments& area,
                               const Boundary& boundary) {
   const Slant slant = slant_of(section);
   PressureMoments moments;

@@ -7,7 +7,7 @@
 #include "base/at_least.h"
 #include "base/parallel.h"
 #include "base/radix_sort.h"
-#include "exact/field_kernels.h"
+#include "exact/exact_kernels.h"
 #include "index/sphere_grid.h"
 #include "index/sphere_tree.h"
 #include "index/voxel_index.h"
@@ -83,7 +83,7 @@ Plan make_plan(const Primitives& hand, bool lists, NearPairs& near) {
 // found comes in any order.
 void search_shared(const Model& model, const Primitives& hand, const Plan& plan, std::uint32_t threads,
                    std::span<const std::uint32_t> cells, Scratch& scratch, FoundPairs& found) {
-  const FieldKernels& kernels = field_kernels(model.execution.isa);
+  const ExactKernels& kernels = exact_kernels(model.execution.isa);
   std::atomic<std::size_t> next{0};
   const auto work = [&](std::size_t first, std::size_t last) {
     MissTerms terms;
@@ -142,7 +142,7 @@ bool search_fresh(const Model& model, const Primitives& hand, const Plan& plan, 
 constexpr std::uint64_t kMissed = ~std::uint64_t{0};
 
 // Asks about up to kBatch doubtful pairs; those that miss are marked in `to`.
-void ask(const Triangles& world, const FieldKernels& kernels, const Hull& hull,
+void ask(const Triangles& world, const ExactKernels& kernels, const Hull& hull,
          std::span<const std::uint32_t> places, std::uint64_t* to) {
   MissTerms terms;
   set_terms(hull, 0, terms);
@@ -158,7 +158,7 @@ void ask(const Triangles& world, const FieldKernels& kernels, const Hull& hull,
 // Writes a list's pairs to `to`, those that certainly miss as kMissed. Returns how many were doubtful.
 std::size_t write_list(const Model& model, const Hull& now, std::span<const std::uint64_t> pairs,
                        std::uint64_t* to) {
-  const FieldKernels& kernels = field_kernels(model.execution.isa);
+  const ExactKernels& kernels = exact_kernels(model.execution.isa);
   std::array<std::uint32_t, kBatch> places;
   std::size_t open = 0, asked = 0;
   for (std::size_t k = 0; k < pairs.size(); ++k) {

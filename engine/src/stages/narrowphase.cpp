@@ -239,7 +239,7 @@ void collide_round(Work& work) {
     set_kind(round_kind(kind), work.cut_count[kind], terms);
     const std::span<std::uint32_t> slots =
         std::span(by_kind).subspan(start[kind], start[kind + 1] - start[kind]);
-    const FieldKernels& kernels = work.pairs.kernels;
+    const ExactKernels& kernels = work.pairs.kernels;
     through_lanes(slots, terms, paper ? kernels.paper_contacts : kernels.round_contacts, gather,
                   [&](std::uint32_t slot, std::size_t k, const RoundTerms& from) {
                     paper ? take_paper(work, slot, k, from) : take_round(work, slot, k, from);
@@ -385,7 +385,7 @@ bool collide(const Primitive& primitive, const ContactQuery& query, const Corner
 std::uint32_t find_contacts(const Model& model, const Primitives& hand,
                             std::span<const std::uint64_t> candidates, std::span<Contact> contacts) {
   if (candidates.empty()) return 0;
-  const FieldKernels& kernels = field_kernels(model.execution.isa);
+  const ExactKernels& kernels = exact_kernels(model.execution.isa);
   FixedList<RoundHull, Primitives::kMaxCount> hulls;
   for (std::size_t i = 0; i < hand.count; ++i)
     hulls.push_back(suits_lanes(hand.primitive[i]) ? round_hull(hand.primitive[i]) : RoundHull{});

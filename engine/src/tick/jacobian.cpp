@@ -20,7 +20,7 @@ namespace lumbrical {
 namespace {
 
 // In closed form, along borders that cross the triangle once and plainly. False where that doesn't do.
-bool add_plain_triangle(const FieldKernels& kernels, const Primitives& hand, const Contact& contact,
+bool add_plain_triangle(const ExactKernels& kernels, const Primitives& hand, const Contact& contact,
                         Vec3 joint, const Corners& at, Matrix6& value) {
   const Primitive& primitive = hand.primitive[contact.primitive];
   if (primitive.shape == Shape::slab)
@@ -37,7 +37,7 @@ bool add_plain_triangle(const FieldKernels& kernels, const Primitives& hand, con
 void add_exact(const Model& model, const Scratch& scratch, std::uint32_t segments,
                std::array<SegmentJacobian, kSegmentCount>& jacobians) {
   const Primitives& hand = *scratch.primitives;
-  const FieldKernels& kernels = field_kernels(model.execution.isa);
+  const ExactKernels& kernels = exact_kernels(model.execution.isa);
   for (std::size_t i = 0; i < scratch.contact_count; ++i) {
     const Contact& contact = scratch.contacts[i];
     const Primitive& primitive = hand.primitive[contact.primitive];

@@ -53,7 +53,7 @@ Status probe(const Mesh& mesh, std::span<const ProbePrimitive> primitives, Law l
     }
   }
   contacts.clear();
-  const FieldKernels& kernels = field_kernels(widest_isa());
+  const ExactKernels& kernels = exact_kernels(widest_isa());
   Boundary boundary;
   for (std::size_t i = 0; i < posed.size(); ++i) {
     for (std::size_t k = 0; k < mesh.triangles.size(); ++k) {

@@ -15,7 +15,7 @@ namespace lumbrical {
 
 /// Each computes the results of all terms; arrays are padded to 64 bytes with harmless copies. Every
 /// table gives the same bits.
-struct FieldKernels {
+struct ExactKernels {
   void (*pair_kinds)(KindTerms&);
   void (*round_contacts)(RoundTerms&);
   void (*paper_contacts)(RoundTerms&);
@@ -31,25 +31,25 @@ struct FieldKernels {
 };
 
 namespace scalar {
-extern const FieldKernels kFieldKernels;
+extern const ExactKernels kExactKernels;
 }
 namespace sse2 {
-extern const FieldKernels kFieldKernels;
+extern const ExactKernels kExactKernels;
 }
 namespace avx2 {
-extern const FieldKernels kFieldKernels;
+extern const ExactKernels kExactKernels;
 }
 namespace avx512 {
-extern const FieldKernels kFieldKernels;
+extern const ExactKernels kExactKernels;
 }
 namespace neon {
-extern const FieldKernels kFieldKernels;
+extern const ExactKernels kExactKernels;
 }
 namespace simd128 {
-extern const FieldKernels kFieldKernels;
+extern const ExactKernels kExactKernels;
 }
 
 /// The table of an instruction set that is available.
-const FieldKernels& field_kernels(Isa isa);
+const ExactKernels& exact_kernels(Isa isa);
 
 }  // namespace lumbrical

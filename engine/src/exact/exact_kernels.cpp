@@ -1,26 +1,26 @@
-// See field_kernels.h.
-#include "exact/field_kernels.h"
+// See exact_kernels.h.
+#include "exact/exact_kernels.h"
 
 namespace lumbrical {
 
-const FieldKernels& field_kernels(Isa isa) {
+const ExactKernels& exact_kernels(Isa isa) {
   switch (isa) {
 #if defined(LUMBRICAL_XSIMD) && defined(__x86_64__)
     case Isa::sse2:
-      return sse2::kFieldKernels;
+      return sse2::kExactKernels;
     case Isa::avx2:
-      return avx2::kFieldKernels;
+      return avx2::kExactKernels;
     case Isa::avx512:
-      return avx512::kFieldKernels;
+      return avx512::kExactKernels;
 #elif defined(LUMBRICAL_XSIMD) && defined(__aarch64__)
     case Isa::neon:
-      return neon::kFieldKernels;
+      return neon::kExactKernels;
 #elif defined(LUMBRICAL_XSIMD) && defined(__wasm__)
     case Isa::simd128:
-      return simd128::kFieldKernels;
+      return simd128::kExactKernels;
 #endif
     default:
-      return scalar::kFieldKernels;
+      return scalar::kExactKernels;
   }
 }
 

@@ -1,8 +1,0 @@
-// The field law's kernels for sse2. Nothing else may be compiled with this file's flags.
-#define LUMBRICAL_ISA sse2
-#include "exact/field_table.h"
-
-namespace lumbrical::sse2 {
-const FieldKernels kFieldKernels =
-    table_of<xsimd::batch<double, xsimd::sse2>, xsimd::batch<float, xsimd::sse2>>();
-}
