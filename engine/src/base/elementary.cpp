@@ -124,7 +124,7 @@ SinCos sin_cos(double x) {
 }
 
 void sin_cos(std::span<const double> x, std::span<SinCos> result) {
-  constexpr std::size_t kWide = 4;
+  constexpr std::size_t kWide = 20;  // a hand's angles at once
   std::size_t i = 0;
   for (; i + kWide <= x.size(); i += kWide) sin_cos_of<kWide>(&x[i], &result[i]);
   for (; i < x.size(); ++i) sin_cos_of<1>(&x[i], &result[i]);

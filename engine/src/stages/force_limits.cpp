@@ -8,6 +8,14 @@
 namespace lumbrical {
 namespace {
 
+// Is every segment's force certainly felt as it is? Without a root.
+bool are_all_small(double max_force, const HandForces& forces) {
+  double largest2 = 0;
+  for (const Wrench& wrench : forces.segment) largest2 = max(largest2, dot(wrench.force, wrench.force));
+  const double small = 0.999999 * kUnlimitedShare * max_force;
+  return largest2 < small * small;
+}
+
 bool saturate_segments(double max_force, const Primitives& hand, HandForces& forces) {
   bool limited = false;
   for (Wrench& wrench : forces.segment) {
@@ -31,27 +39,27 @@ bool all_finite(const HandForces& forces) {
   return is_finite(force) && is_finite(torque) && is_finite(joint);
 }
 
-HandForces mix(double a, const HandForces& x, double b, const HandForces& y) {
-  HandForces sum;
+// Where it is wanted, for a hand's forces are long to copy.
+void mix(double a, const HandForces& x, double b, const HandForces& y, HandForces& sum) {
   for (std::size_t i = 0; i < kSegmentCount; ++i) {
     sum.segment[i] = a * x.segment[i] + b * y.segment[i];
     sum.joint_torque[i] = a * x.joint_torque[i] + b * y.joint_torque[i];
     sum.flexion_torque[i] = a * x.flexion_torque[i] + b * y.flexion_torque[i];
   }
-  return sum;
 }
 
 // What other settings have left may be above what these allow: as a whole no more than that.
-HandForces within(double max_force, const HandForces& forces) {
+void keep_within(double max_force, HandForces& forces) {
   double largest = 0;
   for (const Wrench& wrench : forces.segment) largest = max(largest, norm(wrench.force));
-  return largest <= 1.000001 * max_force ? forces : mix(max_force / largest, forces, 0, {});
+  if (largest > 1.000001 * max_force) mix(max_force / largest, forces, 0, {}, forces);
 }
 
 // Fresh forces are zero where they are not trusted.
 ActuatorFrame mix_with_held(const Settings& settings, const HandForces& fresh, Trust trust,
                             std::uint32_t flags, HandState& state) {
   const double step = 1 / max(1, settings.fade_time * settings.rate);
+  const bool are_held = state.fall > 0;
   if (trust != Trust::kept && state.rise > 0) {
     state.held = state.last;
     state.rise = 0;
@@ -60,9 +68,10 @@ ActuatorFrame mix_with_held(const Settings& settings, const HandForces& fresh, T
   if (trust != Trust::none) state.rise = min(1, state.rise + step);
   state.fall = max(0, state.fall - step);
   if (state.rise != 1 || state.fall != 0) flags |= kFading;
-  state.held = state.fall > 0 ? within(settings.max_force, state.held) : HandForces{};
+  if (state.fall > 0) keep_within(settings.max_force, state.held);
+  if (are_held && !(state.fall > 0)) state.held = {};
 
-  state.last = mix(state.rise, fresh, state.fall, state.held);
+  mix(state.rise, fresh, state.fall, state.held, state.last);
   ActuatorFrame output{state.last, state.tick, flags, 0};
   ++state.tick;
   return output;
@@ -79,12 +88,13 @@ double saturated(double force, double max_force) {
   return min(max_force, free + room * (over <= room ? x / root : 1 / root));
 }
 
-ActuatorFrame limit_forces(const Settings& settings, const Primitives& hand, HandForces fresh, Trust trust,
-                           std::uint32_t flags, HandState& state) {
-  if (!all_finite(fresh)) trust = Trust::none;
-  if (trust == Trust::none) fresh = {};
-  if (saturate_segments(settings.max_force, hand, fresh)) flags |= kForceLimited;
-  return mix_with_held(settings, fresh, trust, flags, state);
+ActuatorFrame limit_forces(const Settings& settings, const Primitives& hand, const HandForces& fresh,
+                           Trust trust, std::uint32_t flags, HandState& state) {
+  if (trust == Trust::none || !all_finite(fresh)) return fade_forces(settings, flags, state);
+  if (are_all_small(settings.max_force, fresh)) return mix_with_held(settings, fresh, trust, flags, state);
+  HandForces limited = fresh;
+  if (saturate_segments(settings.max_force, hand, limited)) flags |= kForceLimited;
+  return mix_with_held(settings, limited, trust, flags, state);
 }
 
 ActuatorFrame fade_forces(const Settings& settings, std::uint32_t flags, HandState& state) {

@@ -33,8 +33,8 @@ enum class Trust : std::uint8_t {
 /// without trust, or trusted anew, the last output becomes the held one, which then fades out. So the output
 /// never steps, whatever comes in and however often trust changes, and is exactly the fresh force once trust
 /// has lasted. Advances `state` to the next tick. contact_count of the answer is left to the caller.
-ActuatorFrame limit_forces(const Settings& settings, const Primitives& hand, HandForces fresh, Trust trust,
-                           std::uint32_t flags, HandState& state);
+ActuatorFrame limit_forces(const Settings& settings, const Primitives& hand, const HandForces& fresh,
+                           Trust trust, std::uint32_t flags, HandState& state);
 
 /// The same of a tick that has computed nothing to be trusted.
 ActuatorFrame fade_forces(const Settings& settings, std::uint32_t flags, HandState& state);

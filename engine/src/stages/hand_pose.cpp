@@ -63,7 +63,6 @@ std::uint32_t set_capsules(const Hand& hand, const Settings& settings, Primitive
     capsule.radius1 = hand.radius[base];
     capsule.radius2 = hand.radius[tip];
     const Vec3 axis = capsule.end2 - capsule.end1;
-    primitives.direction[i] = unit_or(axis, {});
     if (!(dot(axis, axis) > 1e-18)) flags |= kSegmentDegenerate;
   }
   return flags;
@@ -214,6 +213,10 @@ bool may_meet(const Hand& hand, const Primitives& primitives, const Box& world) 
 }
 
 void shape_hand(const Hand& hand, Primitives& primitives) {
+  for (std::size_t i = 0; i < kPhalanxCount; ++i) {
+    const Primitive& capsule = primitives.capsule[i];
+    if (primitives.present[i]) primitives.direction[i] = unit_or(capsule.end2 - capsule.end1, {});
+  }
   primitives.palm = {};
   if (primitives.joints.has(kPalm)) primitives.palm = place_palm(hand.palm, primitives.joints.pose[kPalm]);
   place_axes(primitives);

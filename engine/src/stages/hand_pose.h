@@ -25,7 +25,7 @@ void place_axes(Primitives& primitives);
 /// False where no part of a hand so placed can touch what is inside the box [m, W].
 bool may_meet(const Hand& hand, const Primitives& primitives, const Box& world);
 
-/// The palm of a hand so placed, and its axes: all that samples ask for.
+/// The palm of a hand so placed, its axes, and which way phalanges point: all that samples ask for.
 void shape_hand(const Hand& hand, Primitives& primitives);
 
 /// Lists the primitives of a hand so shaped, how they border on each other, and which fingers are folded,

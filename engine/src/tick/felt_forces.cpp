@@ -35,6 +35,7 @@ HandForces sum_up(const Model& model, Scratch& scratch) {
   find_all_contacts(model, scratch);
   tell(scratch.watch, Stage::narrowphase);
   const std::span<const Contact> contacts(scratch.contacts.data(), scratch.contact_count);
+  if (!scratch.primitives->in_reach) return {};
   return sum_forces(model.settings, *scratch.primitives, contacts, scratch.samples->forces.segment);
 }
 

@@ -109,14 +109,11 @@ std::uint32_t input_flags(const DeviceFrame& frame) {
 
 bool is_trusted(std::uint32_t flags) { return (flags & kUntrusted) == 0; }
 
-ActuatorFrame tick(const Model& model, State& state, Scratch& scratch, const DeviceFrame& frame,
-                   std::span<const ObjectFrame> given) {
-  const bool own_scratch = is_made_for(model, scratch);
-  const bool own_state = state.objects.size() == model.apart.size();
-  assert(own_scratch && "make_scratch(model)");
-  assert(own_state && "make_state(model)");
-  const FloatingPointGuard guard;
-  if (!own_scratch || !own_state) return feel_no_more(model, state, scratch);
+namespace {
+
+// All stages, of a model's own memory.
+ActuatorFrame feel_all(const Model& model, State& state, Scratch& scratch, const DeviceFrame& frame,
+                       std::span<const ObjectFrame> given) {
   Primitives& hand = *scratch.primitives;
   forget_hand(hand);
   std::uint32_t flags = hand.flags = input_flags(frame);
@@ -153,6 +150,19 @@ ActuatorFrame tick(const Model& model, State& state, Scratch& scratch, const Dev
 
   if (scratch.hash_stages) hash_stages(frame, given, output, scratch);
   return output;
+}
+
+}  // namespace
+
+ActuatorFrame tick(const Model& model, State& state, Scratch& scratch, const DeviceFrame& frame,
+                   std::span<const ObjectFrame> given) {
+  const bool own_scratch = is_made_for(model, scratch);
+  const bool own_state = state.objects.size() == model.apart.size();
+  assert(own_scratch && "make_scratch(model)");
+  assert(own_state && "make_state(model)");
+  const FloatingPointGuard guard;
+  if (!own_scratch || !own_state) return feel_no_more(model, state, scratch);
+  return feel_all(model, state, scratch, frame, given);
 }
 
 namespace {
