@@ -296,7 +296,7 @@ def read_options():
 
 def main():
     options = read_options()
-    program = shutil.which(pathlib.Path(options.program).resolve())
+    program = shutil.which(str(pathlib.Path(options.program).resolve()))
     if not program:
         sys.exit(f"{options.program}: there is no such program; build it, or name another")
     folder = pathlib.Path(options.folder or tempfile.mkdtemp(prefix="scenes-")).resolve()
