@@ -22,6 +22,7 @@
 #include "peer.h"
 #include "peer_table.h"
 #include "peer_truth.h"
+#include "read_number.h"
 #include "stages/hand_pose.h"
 #include "timing.h"
 #include "usage.h"
@@ -309,11 +310,11 @@ bool parse(int count, char** words, Options& options) {
     if (name == "--scenes") {
       options.scenes = value;
     } else if (name == "--most") {
-      options.most = std::strtoull(value, nullptr, 10);
+      if (!bench::read_number(value, std::size_t{1} << 31, options.most)) return false;
     } else if (name == "--poses") {
-      options.poses = std::atoi(value);
+      if (!bench::read_number(value, 100000, options.poses)) return false;
     } else if (name == "--seconds") {
-      options.seconds = std::strtod(value, nullptr);
+      if (!bench::read_number(value, 1e6, options.seconds)) return false;
     } else if (name == "--clock") {
       options.processor_time = std::string(value) == "processor";
     } else if (name == "--out") {
@@ -322,7 +323,7 @@ bool parse(int count, char** words, Options& options) {
       return false;
     }
   }
-  return count % 2 == 1 && options.poses > 0 && options.seconds > 0;
+  return count % 2 == 1;
 }
 
 void run_all(const Options& options, PeerReport& report) {
