@@ -412,6 +412,19 @@ TEST(CommandLine, ForcesAreLeftOutAsAsked) {
         << wrong;
 }
 
+TEST(CommandLine, ASignalEndsAWorldWithoutAFile) {
+  const fs::path folder = folder_with_demo();
+  write_file("wide.json",
+             R"({"objects": [{"plane": {"extent": 1, "cells": 1000}}], "motion": {"grasp": {}}})");
+  const Outcome stopped = shell("lumbrical world wide.json -o wide.world & world=$!; " +
+                                    wait_until("test -e wide.world.part") + "kill -TERM $world; wait $world",
+                                folder);
+  EXPECT_EQ(stopped.exit_code, 130) << stopped.error;
+  EXPECT_NE(stopped.error.find("wide.world: stopped by a signal"), std::string::npos) << stopped.error;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder))
+    EXPECT_FALSE(entry.path().filename().string().starts_with("wide.world")) << entry.path();
+}
+
 TEST(CommandLine, AFullDiskIsNotBlamedOnTheSceneWhoseWorldIsWritten) {
   const fs::path folder = folder_with_demo();
   const Outcome full = shell("( ulimit -f 1; lumbrical world demo.json -o demo.world )", folder);

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "commands.h"
+#include "fail_to_write.h"
 #include "lumbrical/scene_file.h"
 #include "lumbrical/world.h"
 #include "output.h"
@@ -31,7 +32,7 @@ Status build_world(const WorldOptions& options, std::vector<World::Object>& obje
     Execution chosen = execution;
     if (options.threads) chosen.threads = *options.threads;
     if (options.cell_size) chosen.cell_size = *options.cell_size;
-    return writer.open(options.output, chosen);
+    return writer.open(options.output, chosen, stop_requested);
   };
   Status not_written;
   Status status = load_scene_objects(options.scene, begin, [&](SceneObject&& object) {
@@ -51,8 +52,9 @@ int make_world(const WorldOptions& options) {
   std::error_code ignored;
   if (std::filesystem::equivalent(options.scene, options.output, ignored))
     return fail(options.output + ": is the scene; name another file");
+  const StopSignals stop_signals;
   std::vector<World::Object> objects;
-  if (Status status = build_world(options, objects); !status.ok()) return fail(status);
+  if (Status status = build_world(options, objects); !status.ok()) return fail_to_write(options.output, status);
   // What was written is read once more, as whoever uses it will.
   std::shared_ptr<const World> world;
   if (Status status = open_world(options.output, world); !status.ok()) return fail(status);

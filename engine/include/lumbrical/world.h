@@ -2,6 +2,7 @@
 // (docs/worlds.md).
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <string>
 
@@ -21,8 +22,9 @@ class WorldWriter {
   WorldWriter& operator=(const WorldWriter&) = delete;
 
   /// The file grows as `path`.part and takes its place when it is finished. Of `execution` cell_size,
-  /// leaf_size and tree_levels count, and threads.
-  Status open(const std::string& path, const Execution& execution);
+  /// leaf_size and tree_levels count, and threads. Where `stop`, which is asked now and then, says yes,
+  /// whatever comes next is an error.
+  Status open(const std::string& path, const Execution& execution, std::function<bool()> stop = {});
   /// A mesh placed in the world [m]; refuses what build_model refuses, and turns what build_model turns, for
   /// good: a model takes a world as it is written. Triangles keep the order in which they come: those that
   /// are near each other in it share pages. An object that is refused leaves the file as it was; one that is

@@ -2,12 +2,14 @@
 #include <algorithm>
 #include <array>
 #include <cstring>
+#include <functional>
 #include <new>
 #include <span>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "base/check_stop.h"
 #include "base/floating_point.h"
 #include "base/parallel.h"
 #include "files/cell_sort.h"
@@ -104,8 +106,9 @@ Status append_items(std::span<const T> items, SpillFile& spill) {
 struct GridWriter {
   const Triangles& triangles;
   const Execution& execution;
+  const std::function<bool()>& stop;
   HashedFile& file;
-  SpillFile cells, heads;
+  SpillFile cells{}, heads{};
   std::vector<std::uint64_t> batch_cells{};
   std::vector<std::uint32_t> members{};
   std::vector<std::size_t> start{};
@@ -150,6 +153,7 @@ Status GridWriter::write(CellSort& sorted, const std::shared_ptr<const std::byte
     const bool wide = end || entry.cell == kWideCell;
     const bool other_cell = !batch_cells.empty() && batch_cells.back() != entry.cell;
     if (!batch_cells.empty() && (wide || (other_cell && members.size() >= kBatch))) {
+      if (Status status = check_stop(stop); !status.ok()) return status;
       if (Status status = write_batch(); !status.ok()) return status;
       release_pages(mapped.get(), size);
     }
@@ -169,6 +173,7 @@ Status GridWriter::write(CellSort& sorted, const std::shared_ptr<const std::byte
 struct WorldWriter::Build {
   std::string path;
   Execution execution;
+  std::function<bool()> stop;
   HashedFile file;
   std::array<SpillFile, 6> arrays;  // x y z a b c
   std::vector<WorldObject> objects;
@@ -200,6 +205,7 @@ Status WorldWriter::Build::open() {
 Status WorldWriter::Build::add(const SceneObject& added, WindingReport& report) {
   const Mesh& mesh = added.mesh;
   if (!failure.ok()) return failure;
+  if (Status status = check_stop(stop); !status.ok()) return status;
   if (Status status = check_object(added.name, mesh, execution.threads); !status.ok()) return status;
   if (Status status =
           check_counts(end.vertices + mesh.vertices.size(), end.triangles + mesh.triangles.size());
@@ -258,6 +264,7 @@ Status WorldWriter::Build::write_triangles() {
   std::memcpy(first.data(), &kWorldMagic, sizeof(kWorldMagic));
   if (Status status = file.append(first); !status.ok()) return status;
   for (SpillFile& array : arrays) {
+    if (Status status = check_stop(stop); !status.ok()) return status;
     if (Status status = copy_section(array, file); !status.ok()) return status;
     array = SpillFile();  // its room on the disk is wanted
   }
@@ -279,6 +286,7 @@ Status WorldWriter::Build::sort_by_cell(const Triangles& triangles,
   grid = plan_grid(centres, execution);
   std::vector<std::uint64_t> cell(std::min(kChunk, count));
   for (std::uint32_t first = 0; first < count; first += static_cast<std::uint32_t>(cell.size())) {
+    if (Status status = check_stop(stop); !status.ok()) return status;
     cell.resize(std::min<std::size_t>(cell.size(), count - first));
     parallel_pieces(cell.size(), 16384, execution.threads,
                     [&](std::size_t, std::size_t begin, std::size_t last) {
@@ -308,7 +316,7 @@ Status WorldWriter::Build::write_grid() {
   SphereGrid grid;
   if (Status status = sorted.open(path + ".part.sort", kSortMemory); !status.ok()) return status;
   if (Status status = sort_by_cell(triangles, mapped, size, grid, sorted); !status.ok()) return status;
-  GridWriter writer{triangles, execution, file, {}, {}};
+  GridWriter writer{triangles, execution, stop, file};
   if (Status status = writer.cells.open(path + ".part.cells"); !status.ok()) return status;
   if (Status status = writer.heads.open(path + ".part.heads"); !status.ok()) return status;
   if (Status status = writer.write(sorted, mapped, size); !status.ok()) return status;
@@ -356,11 +364,13 @@ WorldWriter::~WorldWriter() {
   if (build_) build_->file.discard();
 }
 
-Status WorldWriter::open(const std::string& path, const Execution& execution) try {
+Status WorldWriter::open(const std::string& path, const Execution& execution,
+                         std::function<bool()> stop) try {
   if (build_) return Status::error(build_->path + ": is not finished yet; finish it first");
   auto build = std::make_unique<Build>();
   build->path = path;
   build->execution = execution;
+  build->stop = std::move(stop);
   if (Status status = build->open(); !status.ok()) {
     build->file.discard();
     return status;

@@ -9,7 +9,7 @@
 
 #include "files/text_output.h"
 #include "lumbrical/recording.h"
-#include "recording/check_stop.h"
+#include "base/check_stop.h"
 #include "recording/chosen_ticks.h"
 #include "recording/json_line.h"
 #include "recording/record_fields.h"

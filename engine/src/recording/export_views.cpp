@@ -11,7 +11,7 @@
 
 #include "files/text_output.h"
 #include "lumbrical/recording.h"
-#include "recording/check_stop.h"
+#include "base/check_stop.h"
 #include "recording/chosen_ticks.h"
 #include "recording/export_columns.h"
 #include "recording/hand_views.h"

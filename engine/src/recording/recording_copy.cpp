@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "lumbrical/recording.h"
-#include "recording/check_stop.h"
+#include "base/check_stop.h"
 #include "recording/mcap_writer.h"
 #include "recording/recorder.h"
 #include "recording/session_message.h"

@@ -12,7 +12,7 @@
 
 #include "files/text_output.h"
 #include "lumbrical/recording.h"
-#include "recording/check_stop.h"
+#include "base/check_stop.h"
 #include "recording/chosen_ticks.h"
 #include "recording/export_columns.h"
 #include "recording/json_line.h"

@@ -13,7 +13,7 @@
 
 #include "lumbrical/recording.h"
 #include "recording/channels.h"
-#include "recording/check_stop.h"
+#include "base/check_stop.h"
 #include "recording/mcap_reader.h"
 #include "recording/recorder.h"
 #include "recording/session_message.h"

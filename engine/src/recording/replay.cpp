@@ -8,7 +8,7 @@
 
 #include "base/hash.h"
 #include "lumbrical/recording.h"
-#include "recording/check_stop.h"
+#include "base/check_stop.h"
 #include "recording/record_fields.h"
 #include "recording/replay.h"
 #include "recording/replay_trace.h"

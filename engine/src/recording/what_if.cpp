@@ -7,7 +7,7 @@
 #include <optional>
 
 #include "lumbrical/recording.h"
-#include "recording/check_stop.h"
+#include "base/check_stop.h"
 #include "recording/record_fields.h"
 #include "recording/replay.h"
 #include "recording/session_message.h"
