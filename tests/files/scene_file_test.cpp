@@ -403,9 +403,9 @@ TEST(SceneFile, NamesAWorldFileInThePlaceOfObjects) {
             std::string::npos);
   EXPECT_NE(error_of(world + kGrasp + R"(, "execution": {"cell_size": 1}})").find("leave out cell_size"),
             std::string::npos);
-  EXPECT_NE(
-      error_of(R"({"world": "missing.world", )" + std::string(kGrasp) + "}").find("missing.world: cannot"),
-      std::string::npos);
+  EXPECT_NE(error_of(R"({"world": "missing.world", )" + std::string(kGrasp) + "}")
+                .find("missing.world: there is no such file"),
+            std::string::npos);
   // A fault of a later object ends it, and is told where it stands.
   const std::string bad = write_file("bad.json", R"({"objects": [{"plane": {}},
 {"mesh": "nowhere.obj", "unit": "m"}]})");

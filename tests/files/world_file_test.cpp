@@ -301,7 +301,7 @@ TEST(WorldFile, OtherFilesAreNoWorlds) {
   const fs::path folder = own_folder();
   expect_refused((folder / "text.world").string(), "{\"objects\": []}");
   expect_refused((folder / "none.world").string(), "");
-  EXPECT_NE(open_world((folder / "missing").string(), world).message().find("No such file"),
+  EXPECT_NE(open_world((folder / "missing").string(), world).message().find("there is no such file"),
             std::string::npos);
   EXPECT_NE(open_world(folder.string(), world).message().find("regular file"), std::string::npos);
 }

@@ -1,6 +1,7 @@
 // What the operating system refuses, in its own words.
 #pragma once
 
+#include <cerrno>
 #include <string>
 #include <system_error>
 
@@ -11,6 +12,13 @@ namespace lumbrical {
 /// An error of the file `path`: what failed ("cannot be opened") and the system's reason for it, an errno.
 inline Status system_status(const std::string& path, const std::string& what, int error) {
   return Status::error(path + ": " + what + ": " + std::generic_category().message(error));
+}
+
+/// The same of a file that was to be read.
+inline Status unreadable(const std::string& path, int error) {
+  if (error == ENOENT) return Status::error(path + ": there is no such file; check the path");
+  return Status::error(path + ": can't be read (" + std::generic_category().message(error) +
+                       "); check the name and your permission to read it");
 }
 
 }  // namespace lumbrical

@@ -21,11 +21,6 @@ Status too_large(const std::string& name, std::uintmax_t most) {
                        (small ? " MiB" : " GiB") + "; is it the right file?");
 }
 
-Status unreadable(const std::string& path, int error) {
-  return Status::error(path + ": can't be read (" + std::generic_category().message(error) +
-                       "); check the name and your permission to read it");
-}
-
 // In blocks, since what is no file on a disk doesn't tell its size before its end.
 Status read_to_end(std::FILE* file, const std::string& name, std::uintmax_t most, std::string& content) {
   std::array<char, 65536> block{};
@@ -39,8 +34,7 @@ Status read_to_end(std::FILE* file, const std::string& name, std::uintmax_t most
 Status read_file(const std::string& path, std::uintmax_t most, const char* wanted, std::string& content) {
   std::error_code error;
   const std::filesystem::file_status kind = std::filesystem::status(path, error);
-  if (kind.type() == std::filesystem::file_type::not_found)
-    return Status::error(path + ": there is no such file; check the path");
+  if (kind.type() == std::filesystem::file_type::not_found) return unreadable(path, ENOENT);
   if (error) return unreadable(path, error.value());
   if (!std::filesystem::is_regular_file(kind)) {
     return Status::error(path +

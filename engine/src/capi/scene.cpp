@@ -276,7 +276,7 @@ int lumbrical_scene_create(int32_t side, double hand_length, lumbrical_scene** s
     Side which{};
     if (Fault fault = check_enum(side, 2, "side", which)) return fault;
     if (!range::hand_length.holds(hand_length))
-      return bad_argument("hand_length is out of range: give " + text_of(range::hand_length) + " m");
+      return bad_argument("hand_length is out of range: give " + text_of(range::hand_length));
     auto made = std::make_unique<lumbrical_scene>();
     made->scene.hand = default_hand(which, hand_length);
     *scene = made.release();

@@ -72,12 +72,12 @@ void end_watch(const void* memory) {
 
 Status map_file(const std::string& path, std::shared_ptr<const std::byte>& bytes, std::size_t& size) {
   const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);  // no pipe is waited for
-  if (descriptor < 0) return system_status(path, "cannot be opened", errno);
+  if (descriptor < 0) return unreadable(path, errno);
   struct stat status {};
   Status result;
   void* memory = nullptr;
   if (::fstat(descriptor, &status) != 0) {
-    result = system_status(path, "cannot be opened", errno);
+    result = unreadable(path, errno);
   } else if (!S_ISREG(status.st_mode)) {
     result = Status::error(path + ": is no regular file; name another");
   } else if (status.st_size > 0) {

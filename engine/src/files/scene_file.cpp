@@ -175,8 +175,7 @@ Status fit(const Hand& described, const format::Hand* table, const std::string& 
   if (other) hand = mirrored_hand(hand);
   read_flesh(table, at, hand_read, hand);
   if (other) hand = mirrored_hand(hand);
-  if (Status status = check_hand(hand); !status.ok())
-    hand_read.error(at, "makes no hand: " + status.message());
+  hand_read.check(check_hand(hand));
   return hand_read.status();
 }
 

@@ -33,7 +33,7 @@ inline constexpr Range leaf_size{1, 64}, threads{1, 64}, cell_size{1e-3, 1e6, " 
 inline constexpr Range friction{0, 10}, viscosity{0, 100, " s/m"}, shear_stiffness{1, 1e6, " N/m"};
 inline constexpr Range texture_period{1e-6, 10, " m"}, grip{0, 10}, bump{-1, 1, " m"},
     crease_angle{0, std::numbers::pi, " rad"};
-inline constexpr Range hand_length{0.05, 0.5};  // [m]
+inline constexpr Range hand_length{0.05, 0.5, " m"};
 inline constexpr Range mass{1e-6, 1e6, " kg"}, damping{0, 1e6, " N s/m or N m s/rad"};
 inline constexpr Range joint_lower{-1e3, 0, " m or rad"}, joint_upper{0, 1e3, " m or rad"},
     joint_spring{0, 1e9, " N/m or N m/rad"}, joint_rest{-1e3, 1e3, " m or rad"},

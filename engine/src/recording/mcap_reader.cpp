@@ -132,7 +132,7 @@ Status InputFile::open(const std::string& path) {
     descriptor_ = ::open((path + kPartSuffix).c_str(), kMode);
     if (descriptor_ >= 0) path_ += kPartSuffix;
   }
-  if (descriptor_ < 0) return system_status(path, "cannot be opened", errno);
+  if (descriptor_ < 0) return unreadable(path, errno);
   struct stat status {};
   if (::fstat(descriptor_, &status) != 0 || !S_ISREG(status.st_mode))
     return Status::error(path_ + ": is not a file; name a recording");
