@@ -103,7 +103,8 @@ TEST(RecordingReader, AnswersBeforeAnythingIsOpen) {
   EXPECT_FALSE(reader.seek(0).ok());
   EXPECT_EQ(reader.info().ticks, 0u);
   const Status status = reader.open(temporary_path("absent.mcap"));
-  EXPECT_NE(status.message().find("absent.mcap: there is no such file; check the path"), std::string::npos) << status.message();
+  EXPECT_NE(status.message().find("absent.mcap: there is no such file; check the path"), std::string::npos)
+      << status.message();
   EXPECT_FALSE(reader.open(::testing::TempDir()).ok());
 }
 

@@ -54,7 +54,8 @@ int make_world(const WorldOptions& options) {
     return fail(options.output + ": is the scene; name another file");
   const StopSignals stop_signals;
   std::vector<World::Object> objects;
-  if (Status status = build_world(options, objects); !status.ok()) return fail_to_write(options.output, status);
+  if (Status status = build_world(options, objects); !status.ok())
+    return fail_to_write(options.output, status);
   // What was written is read once more, as whoever uses it will.
   std::shared_ptr<const World> world;
   if (Status status = open_world(options.output, world); !status.ok()) return fail(status);

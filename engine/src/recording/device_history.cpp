@@ -7,9 +7,9 @@
 #include <span>
 #include <string>
 
+#include "base/check_stop.h"
 #include "files/text_output.h"
 #include "lumbrical/recording.h"
-#include "base/check_stop.h"
 #include "recording/chosen_ticks.h"
 #include "recording/json_line.h"
 #include "recording/record_fields.h"

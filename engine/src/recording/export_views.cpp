@@ -9,9 +9,9 @@
 #include <string_view>
 #include <vector>
 
+#include "base/check_stop.h"
 #include "files/text_output.h"
 #include "lumbrical/recording.h"
-#include "base/check_stop.h"
 #include "recording/chosen_ticks.h"
 #include "recording/export_columns.h"
 #include "recording/hand_views.h"

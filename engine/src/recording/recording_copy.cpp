@@ -6,8 +6,8 @@
 #include <optional>
 #include <utility>
 
-#include "lumbrical/recording.h"
 #include "base/check_stop.h"
+#include "lumbrical/recording.h"
 #include "recording/mcap_writer.h"
 #include "recording/recorder.h"
 #include "recording/session_message.h"

@@ -11,9 +11,9 @@
 #include <utility>
 #include <vector>
 
+#include "base/check_stop.h"
 #include "lumbrical/recording.h"
 #include "recording/channels.h"
-#include "base/check_stop.h"
 #include "recording/mcap_reader.h"
 #include "recording/recorder.h"
 #include "recording/session_message.h"

@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
+#include "base/check_stop.h"
 #include "base/hash.h"
 #include "lumbrical/recording.h"
-#include "base/check_stop.h"
 #include "recording/record_fields.h"
 #include "recording/replay.h"
 #include "recording/replay_trace.h"

@@ -6,8 +6,8 @@
 #include <new>
 #include <optional>
 
-#include "lumbrical/recording.h"
 #include "base/check_stop.h"
+#include "lumbrical/recording.h"
 #include "recording/record_fields.h"
 #include "recording/replay.h"
 #include "recording/session_message.h"
