@@ -2,8 +2,6 @@
 // it, against the general path.
 #include <gtest/gtest.h>
 
-#include <numbers>
-
 #include "borders/general_contact.h"
 #include "mesh_world.h"
 #include "posed_finger.h"

@@ -1,6 +1,6 @@
-// The narrowphase of round primitives under the paper's laws, from triangle to contact, one source for every
-// instruction set: area, its centroid, and the largest depth in the primitive itself. A lane is a pair; lanes
-// never meet.
+// The narrowphase of round primitives under `max-depth` and `point`, from triangle to contact, one source for
+// every instruction set: area, its centroid, and the largest depth in the primitive itself. A lane is a pair;
+// lanes never meet.
 #pragma once
 
 #include "exact/round_depth.h"

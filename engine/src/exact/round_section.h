@@ -59,7 +59,8 @@ RoundPair<V> pair_at(const RoundTerms& terms, std::size_t i) {
   pair.part = part_of<V>(terms, i);
   const Wide3<V> corner[3] = {vector_at<V>(terms.a, i), vector_at<V>(terms.b, i), vector_at<V>(terms.c, i)};
   const auto fine = look(pair.part, vector_at<V>(terms.axis, i), corner[0], corner[1], corner[2], pair.plane);
-  pair.along_cut = fine && set_polygon(terms, pair.part, pair.plane, corner, i, pair.polygon) > zero;
+  const V along_cut = set_polygon(terms, pair.part, pair.plane, corner, i, pair.polygon);
+  pair.along_cut = fine && along_cut > zero;
   pair.all = corners_of(pair.part, pair.plane, pair.polygon);
   const V r = pair.part.radius1;
   pair.met = fine && pair.all.low_y < r && pair.all.high_y > zero - r;

@@ -59,13 +59,13 @@ void keep_within(double max_force, HandForces& forces) {
 ActuatorFrame mix_with_held(const Settings& settings, const HandForces& fresh, Trust trust,
                             std::uint32_t flags, HandState& state) {
   const double step = 1 / max(1, settings.fade_time * settings.rate);
-  const bool are_held = state.fall > 0;
   if (trust != Trust::kept && state.rise > 0) {
     state.held = state.last;
     state.rise = 0;
     state.fall = 1;
   }
   if (trust != Trust::none) state.rise = min(1, state.rise + step);
+  const bool are_held = state.fall > 0;  // or have just become so
   state.fall = max(0, state.fall - step);
   if (state.rise != 1 || state.fall != 0) flags |= kFading;
   if (state.fall > 0) keep_within(settings.max_force, state.held);
