@@ -79,20 +79,20 @@ TEST(Kernels, LeaveNoFunctionBehindThatOthersCouldPickUp) {
   ASSERT_NE(pipe, nullptr);
   // A symbol that carries its instruction set in its name is nobody else's.
   const std::regex own("[^0-9](6scalar|4sse2|4avx2|6avx512|4neon|5xsimd)");
-  int field_symbols = 0, sample_symbols = 0;
+  int exact_symbols = 0, sample_symbols = 0;
   char line[4096];
   while (std::fgets(line, sizeof line, pipe.get()) != nullptr) {
     const std::string text = line;
-    const bool of_field = text.find("exact_kernels_") != std::string::npos;
+    const bool of_exact = text.find("exact_kernels_") != std::string::npos;
     const bool of_samples = text.find("sample_kernels_") != std::string::npos;
-    field_symbols += of_field ? 1 : 0;
+    exact_symbols += of_exact ? 1 : 0;
     sample_symbols += of_samples ? 1 : 0;
     // The samples' scalar kernels are compiled as everything else is, and may share functions with it.
-    if ((!of_field && !of_samples) || text.find("sample_kernels_scalar") != std::string::npos) continue;
+    if ((!of_exact && !of_samples) || text.find("sample_kernels_scalar") != std::string::npos) continue;
     const bool weak = text.find(" W ") != std::string::npos;  // functions; constants do no harm
     EXPECT_TRUE(!weak || std::regex_search(text, own)) << text;
   }
-  EXPECT_GT(field_symbols, 0);
+  EXPECT_GT(exact_symbols, 0);
   EXPECT_GT(sample_symbols, 0);
 }
 

@@ -50,6 +50,23 @@ TEST(ForceLimits, SaturateWithoutAStepAKinkOrAFall) {
   }
 }
 
+// Nothing of it is left to be hashed, kept or looked for.
+TEST(ForceLimits, AFadeOfOneTickLeavesNothingHeld) {
+  Scene scene = test::pressed_scene(0.3, 30);
+  scene.settings.fade_time = 0;
+  const Model model = test::model_of(scene);
+  State state;
+  Scratch scratch = make_scratch(model);
+  DeviceFrame frame = test::pressed_frame(scene.hand, 0.001, 0.3);
+  ASSERT_GT(norm(tick(model, state, scratch, frame).segment[kPalmSegment].force), 0);
+  frame.flags |= kTrackingLost;
+  EXPECT_EQ(norm(tick(model, state, scratch, frame).segment[kPalmSegment].force), 0);
+  for (const Wrench& wrench : state.held.segment) {
+    EXPECT_EQ(wrench.force, Vec3{});
+    EXPECT_EQ(wrench.torque, Vec3{});
+  }
+}
+
 TEST(ForceLimits, EverySegmentSaturatesByItselfAlongItsOwnLine) {
   Scene scene = test::pressed_scene(0.3, 30);
   scene.settings.fade_time = 0;

@@ -9,10 +9,10 @@
 
 namespace lumbrical {
 
-/// While it lives, SIGINT, SIGTERM, SIGQUIT and (but under nohup) SIGHUP only ask sessions, exports and
-/// copies for a stop; another one a second or more later ends the process (before_dying). It outlives the
-/// session until its recording is closed. What the process did with them before is done again when it goes,
-/// unless a stop was asked for.
+/// While it lives, SIGINT, SIGTERM, SIGQUIT and (but under nohup) SIGHUP only ask sessions, exports,
+/// copies and writers of worlds for a stop; another one a second or more later ends the process
+/// (before_dying). It outlives the session until its recording is closed. What the process did with them
+/// before is done again when it goes, unless a stop was asked for.
 class StopSignals {
  public:
   StopSignals();

@@ -1,4 +1,4 @@
-// What the operating system refuses, in its own words.
+// What the operating system refuses, and why.
 #pragma once
 
 #include <cerrno>
@@ -9,12 +9,12 @@
 
 namespace lumbrical {
 
-/// An error of the file `path`: what failed ("cannot be opened") and the system's reason for it, an errno.
+/// An error of the file `path`: what failed ("cannot be written") and the system's reason for it, an errno.
 inline Status system_status(const std::string& path, const std::string& what, int error) {
   return Status::error(path + ": " + what + ": " + std::generic_category().message(error));
 }
 
-/// The same of a file that was to be read.
+/// Of a file that was to be read; of one that is not there in plain words.
 inline Status unreadable(const std::string& path, int error) {
   if (error == ENOENT) return Status::error(path + ": there is no such file; check the path");
   return Status::error(path + ": can't be read (" + std::generic_category().message(error) +

@@ -30,8 +30,9 @@ struct BorderCut {
   BulgeMoments bulge;              ///< what the tile gains beyond its chord
 };
 
-/// How `tile` [suits_lanes] and its neighbours share out the triangle `at` [m, W], `near` the borders in
-/// its reach. Two borders that cross it are `general` here, and so is one whose bulge can't be integrated.
+/// How `tile` [suits_lanes, under the field law] and its neighbours share out the triangle `at` [m, W],
+/// `near` the borders in its reach. Two borders that cross it are `general` here, and so is one whose bulge
+/// can't be integrated.
 BorderCut cut_at_borders(const ExactKernels& kernels, const Primitives& hand, const Primitive& tile,
                          const TileBorders& near, const Corners& at);
 

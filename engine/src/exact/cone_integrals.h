@@ -1,4 +1,5 @@
-// The field's integrals over the part of a polygon on the side of a capsule or rounded cone.
+// The field's integrals over the part of a polygon on the side of a capsule or rounded cone, and its area
+// alone.
 //
 // About the point F where the axis pierces the plane, in coordinates e = c x + s h1 along the projected axis
 // and y, the distance from the axis is w = sqrt(e^2 + y^2), and the field phi = A + B e - cos(alpha) w is a
@@ -239,11 +240,11 @@ auto add_side(const RoundPart<V>& part, const SideView<V>& side, const Polygon<V
   return areas.rim.too_round == zero;
 }
 
-// Its area alone, of lanes that do need the rim.
+// The same area alone, of lanes that need the rim.
 template <class V, class M>
 auto add_side_area(const SideView<V>& side, const Polygon<V>& polygon, const Directions<V>& directions,
                    M wanted, Moments<V>& sum, InsideParts<V>& inside) {
-  const RimWays<M> ways = rim_ways(side, wanted, is_not(wanted));
+  const RimWays<M> ways = rim_ways(side, wanted, is_not(wanted));  // none is whole
   RimAreas<V> areas = no_areas(side);
   if (any(ways.real)) {
     for (std::size_t i = 0; i < polygon.count; ++i) {

@@ -40,12 +40,7 @@ template <class V>
 void paper_contacts(RoundTerms& terms) {
   const V zero = number<V>(0), one = number<V>(1), unsure = number<V>(kUnsure);
   for (std::size_t i = 0; i < terms.count; i += wide::Lanes<V>::kCount) {
-    const RoundPair<V> pair = pair_at<V>(terms, i);
-    const RoundPart<V>& part = pair.part;
-    const RoundPlane<V>& plane = pair.plane;
-    const Polygon<V>& polygon = pair.polygon;
-    const Corners<V>& all = pair.all;
-    const auto met = pair.met, whole = pair.whole;
+    const auto [part, plane, polygon, all, along_cut, met, whole] = pair_at<V>(terms, i);
     const V r = part.radius1;
     const auto large = whole || all.size >= number<V>(kSmall) * r;
     const auto closed = met && large && has_deepest_point(part, plane, terms.flat);
@@ -67,7 +62,7 @@ void paper_contacts(RoundTerms& terms) {
     V status = select(met, unsure, zero);
     status = select(had, zero, status);
     status = select(contact, one, status);
-    status = select(pair.along_cut, unsure, status);
+    status = select(along_cut, unsure, status);
     put(terms.status + i, status);
     put_contact(plane, sum, deepest.depth, zero, middle_of(sum.area, sum.area_x, sum.area_y), deepest.point,
                 i, terms);

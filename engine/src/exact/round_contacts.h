@@ -102,12 +102,7 @@ template <class V>
 void round_contacts(RoundTerms& terms) {
   const V zero = number<V>(0), one = number<V>(1), unsure = number<V>(kUnsure);
   for (std::size_t i = 0; i < terms.count; i += wide::Lanes<V>::kCount) {
-    const RoundPair<V> pair = pair_at<V>(terms, i);
-    const RoundPart<V>& part = pair.part;
-    const RoundPlane<V>& plane = pair.plane;
-    const Polygon<V>& polygon = pair.polygon;
-    const Corners<V>& all = pair.all;
-    const auto met = pair.met, whole = pair.whole;
+    const auto [part, plane, polygon, all, along_cut, met, whole] = pair_at<V>(terms, i);
     const V r = part.radius1;
     const V exactness = number<V>(terms.flat ? kFlatError : kDiscError) * (r * r * r);
 
@@ -146,7 +141,7 @@ void round_contacts(RoundTerms& terms) {
     status = select(contact, one, status);
     if (part.cone)
       status = select(contact && had && meets_slivers(part, plane, side, all), number<V>(kSlivers), status);
-    status = select(pair.along_cut, unsure, status);
+    status = select(along_cut, unsure, status);
     put(terms.status + i, status);
     const Wide2<V> centroid = middle_of(sum.area, sum.area_x, sum.area_y);
     const Wide2<V> pressed = middle_of(sum.volume, sum.volume_x, sum.volume_y);

@@ -35,7 +35,8 @@ struct RoundHull {
 };
 RoundHull round_hull(const Primitive& primitive);
 
-/// Is the primitive a part of a finger whose force the paper takes from the largest depth?
+/// Is the primitive a part of a finger whose force the paper takes from the largest depth? (By `centroid`
+/// it does from another, which is for the general path.)
 inline bool follows_paper(const Primitive& primitive) {
   return (primitive.law == Law::max_depth || primitive.law == Law::point) && primitive.phalanx[0] >= 0;
 }

@@ -2,8 +2,9 @@
 // what it gets back. Structure of arrays; a pair is a lane.
 //
 // `round_contacts` sets all results, `paper_contacts` all but the volume, with the deepest point for a
-// centre. `cone_slivers`, for those it leaves without, sets the status, kContact or kUnsure; the volume, what
-// the slivers add to it; and the centre, what they add to the volume's first moment [m^4].
+// centre. `cone_slivers`, for those that `round_contacts` leaves without, sets the status, kContact or
+// kUnsure; the volume, what the slivers add to it; and the centre, what they add to the volume's first moment
+// [m^4].
 #pragma once
 
 #include <cstddef>
@@ -26,7 +27,7 @@ struct RoundTerms {
   // Of all pairs.
   bool sphere = false, cone = false;  ///< the primitives' kind; neither: capsules
   bool flat = false;                  ///< their axes lie nearly along the planes
-  bool depths = false;                ///< dl_max is asked for
+  bool depths = false;                ///< dl_max is asked of `round_contacts`
   bool patient = false;               ///< slivers take as many steps as they need
   static constexpr int kMostCuts = 3;
   int cut_count = 0;  ///< half-spaces that bound them besides, at most

@@ -21,8 +21,8 @@ HandForces sum_forces(const Settings& settings, const Primitives& hand, std::spa
 }
 
 double error_estimate(const Settings& settings, const SampledForces& sampled) {
+  if (sampled.evaluations == 0) return 0;  // then every force is
   double estimate = 0;
-  if (sampled.evaluations == 0) return estimate;
   for (std::size_t i = 0; i < kSegmentCount; ++i)
     estimate += min(1, sampled.error_factor * settings.precision[i]) * norm(sampled.segment[i].force);
   return std::fabs(settings.stiffness) * estimate;

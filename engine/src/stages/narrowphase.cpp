@@ -207,8 +207,8 @@ void take_round(Work& work, std::uint32_t slot, std::size_t k, const RoundTerms&
     read_contact(terms, k, work.hull(slot).origin, work.pairs.contact[slot]);
 }
 
-// The same under the paper's laws: the contact's centre is the deepest point of the primitive, whose depth
-// goes on through the finger.
+// The same under `max-depth` and `point`: the contact's centre is the deepest point of the primitive, whose
+// depth goes on through the finger.
 void take_paper(Work& work, std::uint32_t slot, std::size_t k, const RoundTerms& terms) {
   take_round(work, slot, k, terms);
   if (terms.status[k] != kContact) return;

@@ -34,8 +34,8 @@ HandForces sum_up(const Model& model, Scratch& scratch) {
   tell(scratch.watch, Stage::broadphase);
   find_all_contacts(model, scratch);
   tell(scratch.watch, Stage::narrowphase);
+  if (!scratch.primitives->in_reach) return {};  // nothing is felt, and such a hand's axes are not set
   const std::span<const Contact> contacts(scratch.contacts.data(), scratch.contact_count);
-  if (!scratch.primitives->in_reach) return {};
   return sum_forces(model.settings, *scratch.primitives, contacts, scratch.samples->forces.segment);
 }
 

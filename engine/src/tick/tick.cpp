@@ -111,7 +111,7 @@ bool is_trusted(std::uint32_t flags) { return (flags & kUntrusted) == 0; }
 
 namespace {
 
-// All stages, of a model's own memory.
+// All stages, of a model's own memory. By itself so that its answer, which is long, is not copied.
 ActuatorFrame feel_all(const Model& model, State& state, Scratch& scratch, const DeviceFrame& frame,
                        std::span<const ObjectFrame> given) {
   Primitives& hand = *scratch.primitives;
