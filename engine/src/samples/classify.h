@@ -58,7 +58,7 @@ LUMBRICAL_INLINE inline auto is_outside(const Boxes<V>& boxes, V field, V length
   return (field + (boxes.reach - boxes.radius)) * length + along < number<V>(0);
 }
 
-inline void prefetch_block(const PatchBlock& block) {
+LUMBRICAL_INLINE inline void prefetch_block(const PatchBlock& block) {
   const char* const bytes = reinterpret_cast<const char*>(&block);
   for (std::size_t line = 0; line < sizeof(PatchBlock); line += 64) __builtin_prefetch(bytes + line);
 }

@@ -4,6 +4,8 @@
 #include <cstddef>
 #include <cstring>
 
+#include "simd/wide.h"
+
 namespace lumbrical::LUMBRICAL_ISA {
 
 using Four = float __attribute__((vector_size(16)));
@@ -28,6 +30,14 @@ struct HalfRegister<4> {
   using Doubles = double __attribute__((vector_size(32)));
 };
 
+template <std::size_t N>
+inline typename HalfRegister<N>::Doubles as_doubles(typename HalfRegister<N>::Floats floats) {
+#if defined(LUMBRICAL_XSIMD) && defined(__AVX__)  // one instruction, of which g++ makes four
+  if constexpr (N == 4) return _mm256_cvtps_pd(floats);
+#endif
+  return __builtin_convertvector(floats, typename HalfRegister<N>::Doubles);
+}
+
 /// Adds half a register's floats to doubles, each first rounded to a multiple of what the last place of
 /// `rounder` is worth. Spelt out: g++ makes vectors of a loop of sixteen, but leaves one of eight to scalars.
 template <std::size_t N>
@@ -36,7 +46,7 @@ inline void add_half_rounded(const float* from, double rounder, double* to) {
   typename HalfRegister<N>::Doubles sum;
   std::memcpy(&added, from, sizeof added);
   std::memcpy(&sum, to, sizeof sum);
-  sum += (__builtin_convertvector(added, typename HalfRegister<N>::Doubles) + rounder) - rounder;
+  sum += (as_doubles<N>(added) + rounder) - rounder;
   std::memcpy(to, &sum, sizeof sum);
 }
 

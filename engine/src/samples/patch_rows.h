@@ -102,6 +102,14 @@ inline void gather(const PatchList& list, std::size_t first, std::size_t count, 
   }
 }
 
+/// Asks for the patches of a row while another one goes through a kernel: in a large world they lie far
+/// apart. (g++ takes a function that does nothing else for one that does nothing, unless it is in line.)
+LUMBRICAL_INLINE inline void prefetch_row(const PatchList& list, std::size_t first) {
+  const std::size_t begin = first / lanes_of_patch(list),
+                    end = std::min(begin + PatchRows::kWidth, list.count);
+  for (std::size_t i = begin; i < end; ++i) __builtin_prefetch(&list.shape_at(list.patches[i].place));
+}
+
 /// Calls take(rows, lane) for every register of the patches that holds any.
 template <class V, class Take>
 LUMBRICAL_INLINE inline void for_rows(const PatchList& list, const Take& take) {
@@ -110,6 +118,7 @@ LUMBRICAL_INLINE inline void for_rows(const PatchList& list, const Take& take) {
   for (std::size_t first = 0; first < count; first += PatchRows::kWidth) {
     const std::size_t lanes = std::min(count - first, PatchRows::kWidth);
     gather(list, first, lanes, rows);
+    prefetch_row(list, first + PatchRows::kWidth);
     for (std::size_t lane = 0; lane < lanes; lane += wide::Lanes<V>::kCount) take(rows, lane);
   }
 }
@@ -184,13 +193,16 @@ LUMBRICAL_INLINE inline SeenPatch<V> see_patches_from(const PatchRows& rows, std
   seen.at_far_end = get(rows.seen_from + lane, V{}) >= V(static_cast<float>(ListedPatch::kFarEnd));
   for_tiles<V>(rows, lane, [&](std::uint32_t code, bool all, auto its) LUMBRICAL_INLINE {
     const TileFrame& frame = frame_of(code);
-    const PatchInFrame<V> patch = see_patch(rows, lane, frame.axis, in_all_lanes<V>(frame.origin));
-    const TileNumbers<V> tile = numbers_of<V>(frame);
-    if (all) {
-      seen.patch = patch;
-      seen.tile = tile;
+    const auto see = [&]() LUMBRICAL_INLINE {
+      return see_patch(rows, lane, frame.axis, in_all_lanes<V>(frame.origin));
+    };
+    if (all) {  // asked first: what is put in its place at once need not be copied
+      seen.patch = see();
+      seen.tile = numbers_of<V>(frame);
       return;
     }
+    const PatchInFrame<V> patch = see();
+    const TileNumbers<V> tile = numbers_of<V>(frame);
     seen.patch = {select(its, patch.corner, seen.patch.corner), select(its, patch.edge1, seen.patch.edge1),
                   select(its, patch.edge2, seen.patch.edge2)};
     seen.tile = {
@@ -271,10 +283,13 @@ LUMBRICAL_INLINE inline unsigned add_shares(const PatchInFrame<V>& patch, const 
   for_tiles<V>(rows, lane, [&](std::uint32_t code, bool all, auto its) LUMBRICAL_INLINE {
     const std::uint32_t tile = tile_of(code);
     if ((sums.wanted >> tile & 1u) == 0) return;
+    if (all) {
+      any = lanes_with(share.force);
+      return add_wrench(share.force, share.moment, lane, sums.of[tile]);
+    }
     const Wide3<V> zero{number<V>(0), number<V>(0), number<V>(0)};
     const Wide3<V> own = select(its, share.force, zero);
     any |= lanes_with(own);
-    if (all) return add_wrench(share.force, share.moment, lane, sums.of[tile]);
     add_wrench(own, select(its, share.moment, zero), lane, sums.of[tile]);
   });
   return any;
