@@ -164,6 +164,30 @@ TEST(WorldFile, LeavesNothingHalfWritten) {
   EXPECT_NE(write_world(scene, {}, "/nowhere/x.world").message().find("/nowhere/x.world"), std::string::npos);
 }
 
+TEST(WorldFile, AsksAtEveryMegabyteWhetherToStopAndThenLeavesNothing) {
+  const fs::path folder = own_folder();
+  const std::string path = (folder / "stopped.world").string();
+  const SceneObject field{"field", make_height_field(3, 200, 0.002, 0.04)};
+  // Asked so many times it says yes.
+  const auto write_until = [&](std::size_t last, std::size_t& asked) {
+    asked = 0;
+    WorldWriter writer;
+    Status status = writer.open(path, {}, [&asked, last] { return ++asked >= last; });
+    if (status.ok()) status = writer.add_object(field);
+    return status.ok() ? writer.finish() : status;
+  };
+  std::size_t all = 0, asked = 0;
+  ASSERT_TRUE(write_until(std::numeric_limits<std::size_t>::max(), all).ok());
+  EXPECT_GE(all, fs::file_size(path) >> 20);
+  EXPECT_GT(all, 5u);
+  fs::remove(path);
+  for (std::size_t last = 1; last <= all; ++last) {
+    EXPECT_NE(write_until(last, asked).message().find("stopped"), std::string::npos) << last << " of " << all;
+    EXPECT_EQ(asked, last);
+    EXPECT_TRUE(fs::is_empty(folder)) << last << " of " << all;
+  }
+}
+
 // Any error names the file and a byte of it, and leaves the world as it was.
 void expect_refused(const std::string& path, const std::string& content) {
   write_file(fs::path(path).filename().string(), content);

@@ -30,10 +30,13 @@ constexpr std::uint32_t kChunk = 1u << 20;            // triangles between two t
 constexpr std::size_t kBatch = std::size_t{1} << 18;  // triangles whose cells' trees are built at a time
 constexpr std::size_t kSortMemory = std::size_t{64} << 20;  // [bytes]
 
-/// A file that is written once from start to end, with the hashes of its pieces.
+/// A file that is written once from start to end, with the hashes of its pieces; `stop` is asked at each.
 class HashedFile {
  public:
-  Status open(const std::string& path) { return file_.open(path); }
+  Status open(const std::string& path, std::function<bool()> stop) {
+    stop_ = std::move(stop);
+    return file_.open(path);
+  }
 
   Status append(std::span<const std::byte> bytes) {
     while (!bytes.empty()) {
@@ -64,6 +67,7 @@ class HashedFile {
   }
 
   Status end_piece() {
+    if (Status status = check_stop(); !status.ok()) return status;
     if (piece_.empty()) return {};
     hashes_.push_back(hash_of_bytes(piece_.data(), piece_.size()));
     const Status status = flush();
@@ -73,6 +77,7 @@ class HashedFile {
     return status;
   }
 
+  [[nodiscard]] Status check_stop() const { return lumbrical::check_stop(stop_); }
   [[nodiscard]] std::uint64_t size() const { return before_ + piece_.size(); }
   [[nodiscard]] const std::vector<std::uint64_t>& hashes() const { return hashes_; }
   [[nodiscard]] const std::string& growing_at() const { return file_.growing_at(); }
@@ -81,6 +86,7 @@ class HashedFile {
 
  private:
   OutputFile file_;
+  std::function<bool()> stop_;
   std::uint64_t before_ = 0;  // bytes of ended pieces
   std::vector<std::byte> piece_;
   std::size_t written_ = 0;  // of the piece
@@ -106,7 +112,6 @@ Status append_items(std::span<const T> items, SpillFile& spill) {
 struct GridWriter {
   const Triangles& triangles;
   const Execution& execution;
-  const std::function<bool()>& stop;
   HashedFile& file;
   SpillFile cells{}, heads{};
   std::vector<std::uint64_t> batch_cells{};
@@ -153,7 +158,6 @@ Status GridWriter::write(CellSort& sorted, const std::shared_ptr<const std::byte
     const bool wide = end || entry.cell == kWideCell;
     const bool other_cell = !batch_cells.empty() && batch_cells.back() != entry.cell;
     if (!batch_cells.empty() && (wide || (other_cell && members.size() >= kBatch))) {
-      if (Status status = check_stop(stop); !status.ok()) return status;
       if (Status status = write_batch(); !status.ok()) return status;
       release_pages(mapped.get(), size);
     }
@@ -173,7 +177,6 @@ Status GridWriter::write(CellSort& sorted, const std::shared_ptr<const std::byte
 struct WorldWriter::Build {
   std::string path;
   Execution execution;
-  std::function<bool()> stop;
   HashedFile file;
   std::array<SpillFile, 6> arrays;  // x y z a b c
   std::vector<WorldObject> objects;
@@ -182,7 +185,7 @@ struct WorldWriter::Build {
   WorldEnd end;
   Status failure;  // that left a part of an object in the arrays; nothing comes after it
 
-  Status open();
+  Status open(std::function<bool()> stop);
   Status add(const SceneObject& object, WindingReport& report);
   Status append(const Mesh& mesh, const std::vector<bool>& turned);
   void count(const SceneObject& object);
@@ -193,9 +196,9 @@ struct WorldWriter::Build {
   Status write_rest();
 };
 
-Status WorldWriter::Build::open() {
+Status WorldWriter::Build::open(std::function<bool()> stop) {
   if (Status status = check_execution(execution); !status.ok()) return status;
-  if (Status status = file.open(path); !status.ok()) return status;
+  if (Status status = file.open(path, std::move(stop)); !status.ok()) return status;
   for (std::size_t i = 0; i < arrays.size(); ++i) {
     if (Status status = arrays[i].open(path + ".part" + std::to_string(i)); !status.ok()) return status;
   }
@@ -205,7 +208,7 @@ Status WorldWriter::Build::open() {
 Status WorldWriter::Build::add(const SceneObject& added, WindingReport& report) {
   const Mesh& mesh = added.mesh;
   if (!failure.ok()) return failure;
-  if (Status status = check_stop(stop); !status.ok()) return status;
+  if (Status status = file.check_stop(); !status.ok()) return status;
   if (Status status = check_object(added.name, mesh, execution.threads); !status.ok()) return status;
   if (Status status =
           check_counts(end.vertices + mesh.vertices.size(), end.triangles + mesh.triangles.size());
@@ -264,7 +267,6 @@ Status WorldWriter::Build::write_triangles() {
   std::memcpy(first.data(), &kWorldMagic, sizeof(kWorldMagic));
   if (Status status = file.append(first); !status.ok()) return status;
   for (SpillFile& array : arrays) {
-    if (Status status = check_stop(stop); !status.ok()) return status;
     if (Status status = copy_section(array, file); !status.ok()) return status;
     array = SpillFile();  // its room on the disk is wanted
   }
@@ -277,6 +279,7 @@ Status WorldWriter::Build::sort_by_cell(const Triangles& triangles,
   const auto count = static_cast<std::uint32_t>(triangles.size());
   Box centres;
   for (std::uint32_t first = 0; first < count; first += std::min(kChunk, count - first)) {
+    if (Status status = file.check_stop(); !status.ok()) return status;
     const Box box =
         box_round_centres(triangles, first, first + std::min(kChunk, count - first), execution.threads);
     centres.add(box.lower);
@@ -286,7 +289,7 @@ Status WorldWriter::Build::sort_by_cell(const Triangles& triangles,
   grid = plan_grid(centres, execution);
   std::vector<std::uint64_t> cell(std::min(kChunk, count));
   for (std::uint32_t first = 0; first < count; first += static_cast<std::uint32_t>(cell.size())) {
-    if (Status status = check_stop(stop); !status.ok()) return status;
+    if (Status status = file.check_stop(); !status.ok()) return status;
     cell.resize(std::min<std::size_t>(cell.size(), count - first));
     parallel_pieces(cell.size(), 16384, execution.threads,
                     [&](std::size_t, std::size_t begin, std::size_t last) {
@@ -316,7 +319,7 @@ Status WorldWriter::Build::write_grid() {
   SphereGrid grid;
   if (Status status = sorted.open(path + ".part.sort", kSortMemory); !status.ok()) return status;
   if (Status status = sort_by_cell(triangles, mapped, size, grid, sorted); !status.ok()) return status;
-  GridWriter writer{triangles, execution, stop, file};
+  GridWriter writer{triangles, execution, file};
   if (Status status = writer.cells.open(path + ".part.cells"); !status.ok()) return status;
   if (Status status = writer.heads.open(path + ".part.heads"); !status.ok()) return status;
   if (Status status = writer.write(sorted, mapped, size); !status.ok()) return status;
@@ -370,8 +373,7 @@ Status WorldWriter::open(const std::string& path, const Execution& execution,
   auto build = std::make_unique<Build>();
   build->path = path;
   build->execution = execution;
-  build->stop = std::move(stop);
-  if (Status status = build->open(); !status.ok()) {
+  if (Status status = build->open(std::move(stop)); !status.ok()) {
     build->file.discard();
     return status;
   }
