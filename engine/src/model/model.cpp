@@ -25,13 +25,24 @@ namespace {
 
 using ObjectList = std::vector<const SceneObject*>;
 
-Status check_objects(const Scene& scene) {
+// All there is to refuse in them, before anything is built of any.
+Status check_objects(const Scene& scene, std::size_t threads) {
+  std::size_t apart = 0;
   for (const SceneObject& object : scene.objects) {
     if (Status status = check_material(object); !status.ok()) return status;
-    if (!is_apart(object) && object.pose != Pose{})
-      return Status::error("\"" + object.name +
-                           "\": pose: what stands still and is plain has its mesh in the world frame; take "
-                           "it there by place_mesh instead");
+    if (Status status = check_object(object.name, object.mesh, threads); !status.ok()) return status;
+    if (!is_apart(object)) {
+      if (object.pose != Pose{})
+        return Status::error("\"" + object.name +
+                             "\": pose: what stands still and is plain has its mesh in the world frame; take "
+                             "it there by place_mesh instead");
+      continue;
+    }
+    if (Status status = check_apart(object); !status.ok()) return status;
+    if (++apart > kMostObjects)
+      return Status::error(
+          "the scene has more than 32 objects that move, rub or have a surface; give the rest neither, or "
+          "put only those near the hand into the scene");
   }
   return {};
 }
@@ -113,7 +124,6 @@ Status take_objects(const ObjectList& objects, Model& model) {
   const std::size_t threads = model.execution.threads;
   std::size_t vertices = 0, triangles = 0;
   for (const SceneObject* const object : objects) {
-    if (Status status = check_object(object->name, object->mesh, threads); !status.ok()) return status;
     vertices += object->mesh.vertices.size();
     triangles += object->mesh.triangles.size();
   }
@@ -170,11 +180,6 @@ Status take_apart_objects(const Scene& scene, Model& model) {
   for (std::size_t i = 0; i < scene.objects.size(); ++i) {
     const SceneObject& object = scene.objects[i];
     if (!is_apart(object)) continue;
-    if (Status status = check_apart(object); !status.ok()) return status;
-    if (model.apart.size() == kMostObjects)
-      return Status::error(
-          "the scene has more than 32 objects that move, rub or have a surface; give the rest neither, or "
-          "put only those near the hand into the scene");
     ApartObject apart;
     apart.name = object.name;
     apart.place = i;
@@ -242,7 +247,7 @@ Status build_model(const Scene& scene, const Execution& execution, Model& model)
   if (execution.isa == Isa::automatic) built.execution.isa = widest_isa();
   if (scene.objects.size() > kMostSceneObjects)
     return Status::error("the scene has more than 32768 objects; join meshes that stand still");
-  if (Status status = check_objects(scene); !status.ok()) return status;
+  if (Status status = check_objects(scene, execution.threads); !status.ok()) return status;
   if (Status status = check_surroundings(scene); !status.ok()) return status;
   built.gravity = scene.gravity;
   built.ground = scene.ground;
