@@ -5,6 +5,7 @@
 #include <numeric>
 #include <utility>
 
+#include "base/always_inline.h"
 #include "base/parallel.h"
 #include "index/sphere_tree.h"
 #include "model/primitive.h"
