@@ -1,14 +1,11 @@
 // Which spheres of a tree a body may meet (sphere_hits.h): a finger's tiles at once, or the palm.
 #pragma once
 
+#include "base/prefetch.h"
 #include "samples/sample_kernels.h"
 #include "search/sphere_hits.h"
 
 namespace lumbrical::LUMBRICAL_ISA {
-
-inline void prefetch_block(const SphereBlock& block) {
-  for (const auto* row : {&block.x, &block.y, &block.z, &block.r}) __builtin_prefetch(row);
-}
 
 template <class V>
 std::size_t finger_hits(const SphereBlock* spheres, const SphereQuery* queries, std::size_t query_count,
@@ -17,7 +14,7 @@ std::size_t finger_hits(const SphereBlock* spheres, const SphereQuery* queries, 
   constexpr std::size_t kAhead = 4;
   std::size_t count = 0;
   for (std::size_t i = 0; i < block_count; ++i) {
-    if (i + kAhead < block_count) prefetch_block(spheres[blocks[i + kAhead]]);
+    if (i + kAhead < block_count) prefetch(&spheres[blocks[i + kAhead]], sizeof(SphereBlock));
     unsigned of[FingerBody::kMostTiles] = {0, 0, 0};
     unsigned any = 0;
     for (std::size_t k = 0; k < query_count; ++k) {
@@ -40,7 +37,7 @@ std::size_t palm_hits(const SphereBlock* spheres, const PalmQuery& palm, const s
   const V zero = number<V>(0);
   std::size_t count = 0;
   for (std::size_t i = 0; i < block_count; ++i) {
-    if (i + kAhead < block_count) prefetch_block(spheres[blocks[i + kAhead]]);
+    if (i + kAhead < block_count) prefetch(&spheres[blocks[i + kAhead]], sizeof(SphereBlock));
     const SphereBlock& block = spheres[blocks[i]];
     for (unsigned lane = 0; lane < SphereBlock::kWidth;
          lane += static_cast<unsigned>(wide::Lanes<V>::kCount)) {

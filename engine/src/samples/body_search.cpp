@@ -5,8 +5,8 @@
 #include <numeric>
 #include <utility>
 
-#include "base/always_inline.h"
 #include "base/parallel.h"
+#include "base/prefetch.h"
 #include "index/sphere_tree.h"
 #include "model/primitive.h"
 #include "samples/near_skeleton.h"
@@ -56,12 +56,6 @@ std::size_t every_block(const Search& search, std::span<const std::uint32_t> lar
   return count;
 }
 
-// What sorting asks of a block, which in a large world lies far from the one before.
-LUMBRICAL_INLINE inline void prefetch_shape(const BlockSamples& block) {
-  const auto* const bytes = reinterpret_cast<const char*>(&block);
-  for (std::size_t at = 0; at < offsetof(BlockSamples, weight); at += 64) __builtin_prefetch(bytes + at);
-}
-
 // Takes out of the blocks of a level, sixteen at a time, what is nothing or felt as a whole; how many are
 // left.
 template <class Search>
@@ -73,7 +67,7 @@ std::size_t open_blocks(const Search& search, const Patches& patches, std::size_
   for (std::size_t i = 0; i < blocks.size(); i += kWidth) {
     const std::size_t next = i + kWidth;
     for (std::size_t k = next; k < std::min(next + kWidth, blocks.size()); ++k)
-      prefetch_shape(of_level.blocks[blocks[k] >> search.shift]);
+      prefetch(&of_level.blocks[blocks[k] >> search.shift], offsetof(BlockSamples, weight));
     const auto sorted =
         search.sort(of_level, blocks.data() + i, std::min(kWidth, blocks.size() - i), searcher.end());
     searcher.count += sorted.whole_count;

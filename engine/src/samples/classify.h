@@ -2,6 +2,7 @@
 // whatever else their block holds. In doubt a patch is of the more general kind.
 #pragma once
 
+#include "base/prefetch.h"
 #include "samples/palm_kernels.h"
 #include "samples/tile_field.h"
 
@@ -56,11 +57,6 @@ LUMBRICAL_INLINE inline auto is_outside(const Boxes<V>& boxes, V field, V length
   V along = abs(dot(away, boxes.arm[0]));
   for (std::size_t k = 1; k < 3; ++k) along = along + abs(dot(away, boxes.arm[k]));
   return (field + (boxes.reach - boxes.radius)) * length + along < number<V>(0);
-}
-
-LUMBRICAL_INLINE inline void prefetch_block(const PatchBlock& block) {
-  const char* const bytes = reinterpret_cast<const char*>(&block);
-  for (std::size_t line = 0; line < sizeof(PatchBlock); line += 64) __builtin_prefetch(bytes + line);
 }
 
 /// The keys of the patches of blocks; below 0 are those of nothing.
@@ -242,7 +238,7 @@ inline std::size_t classify(const PatchBlock* blocks, const SplitPoint& origin, 
   constexpr std::size_t kAhead = 3;
   BlockKeys keys;
   for (std::size_t i = 0; i < block_count; ++i) {
-    if (i + kAhead < block_count) prefetch_block(blocks[place(found[i + kAhead])]);
+    if (i + kAhead < block_count) prefetch(&blocks[place(found[i + kAhead])], sizeof(PatchBlock));
     const PatchBlock& block = blocks[place(found[i])];
     for (unsigned lane = 0; lane < PatchBlock::kWidth;
          lane += static_cast<unsigned>(wide::Lanes<V>::kCount)) {

@@ -5,6 +5,7 @@
 #include <tuple>
 
 #include "base/at_least.h"
+#include "base/prefetch.h"
 
 namespace lumbrical {
 namespace {
@@ -48,8 +49,8 @@ void for_entries(FoundByBody found, const Take& take) {
 void mark_blocks(FoundByBody found, Overlaps& overlaps) {
   overlaps.any_whole = false;
   overlaps.shared.clear();
-  for_entries(found, [&](std::size_t, const FoundPatches& entry) {  // in a large world far apart
-    if (!is_block(kind_of(entry))) __builtin_prefetch(&overlaps.met[entry.block]);
+  for_entries(found, [&](std::size_t, const FoundPatches& entry) {
+    if (!is_block(kind_of(entry))) prefetch(&overlaps.met[entry.block], sizeof(MetLanes));
   });
   for_entries(found, [&](std::size_t body, const FoundPatches& entry) {
     if (is_block(kind_of(entry))) {

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "base/prefetch.h"
 #include "samples/columns.h"
 #include "samples/lattice.h"
 #include "samples/sample_kernels.h"
@@ -102,12 +103,12 @@ inline void gather(const PatchList& list, std::size_t first, std::size_t count, 
   }
 }
 
-/// Asks for the patches of a row while another one goes through a kernel: in a large world they lie far
-/// apart. (g++ takes a function that does nothing else for one that does nothing, unless it is in line.)
+/// Asks for the patches of a row while another one goes through a kernel: for where they begin, since their
+/// ends' own lines cost more than they bring.
 LUMBRICAL_INLINE inline void prefetch_row(const PatchList& list, std::size_t first) {
   const std::size_t begin = first / lanes_of_patch(list),
                     end = std::min(begin + PatchRows::kWidth, list.count);
-  for (std::size_t i = begin; i < end; ++i) __builtin_prefetch(&list.shape_at(list.patches[i].place));
+  for (std::size_t i = begin; i < end; ++i) prefetch(&list.shape_at(list.patches[i].place), 1);
 }
 
 /// Calls take(rows, lane) for every register of the patches that holds any.

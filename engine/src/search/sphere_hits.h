@@ -5,6 +5,7 @@
 // double precision, so it does not show in a result.
 #pragma once
 
+#include "base/prefetch.h"
 #include "lumbrical/model.h"
 #include "search/sphere_query.h"
 #include "simd/wide_functions.h"
@@ -37,10 +38,7 @@ std::size_t sphere_hits(const SphereBlock* spheres, const SphereQuery& query, co
   constexpr std::size_t kAhead = 4;
   std::size_t count = 0;
   for (std::size_t i = 0; i < block_count; ++i) {
-    if (i + kAhead < block_count) {
-      const SphereBlock& soon = spheres[blocks[i + kAhead]];
-      for (const auto* row : {&soon.x, &soon.y, &soon.z, &soon.r}) __builtin_prefetch(row);
-    }
+    if (i + kAhead < block_count) prefetch(&spheres[blocks[i + kAhead]], sizeof(SphereBlock));
     const std::uint32_t first = blocks[i] * SphereBlock::kWidth;
     const unsigned bits = hits_in_block<V>(spheres[blocks[i]], query);
     if (bits == 0) continue;
