@@ -3,7 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "device_fixture.h"
 #include "lumbrical/device_simulation.h"
@@ -36,14 +38,19 @@ class FeedbackCheck : public ::testing::Test {
       ASSERT_EQ(look(), 0u);
     }
   }
-  // What is said in so many milliseconds in which the torque grows to 0.26 N m from nothing.
-  std::uint32_t push(int time) {
+  // What is said in so many milliseconds in which the torque grows to 0.26 N m from nothing, to open or (-1)
+  // to close.
+  std::uint32_t push(int time, int sense = 1) {
     std::uint32_t said = 0;
     for (int i = 0; i <= time; ++i) {
-      feedback.acted[3] = 0.26 * i / time;
+      feedback.acted[3] = sense * 0.26 * i / time;
       said |= look();
     }
     return said;
+  }
+  Sensor& sensor_of_index() {
+    return *std::find_if(profile.sensors.begin(), profile.sensors.end(),
+                         [](const Sensor& sensor) { return sensor.angle == static_cast<int>(kIndex); });
   }
   bool believed() const { return (feedback.valid >> kIndex & 1u) != 0; }
   DeviceProfile profile = test::shipped_profile("exoskeleton");
@@ -163,6 +170,32 @@ TEST_F(FeedbackCheck, AnAngleAtItsStopIsNotStuckThoughATorquePushesItOn) {
   memory = {};
   go(0.7, 100);
   EXPECT_EQ(push(500), kAngleStuck) << "its stop may be elsewhere";
+}
+
+// A profile whose range ends at the stop: the finger need not have moved for it to be known.
+TEST_F(FeedbackCheck, AnAngleAtTheEndOfItsRangeIsNotStuckSinceTheStartThoughATorquePushesItOn) {
+  Sensor& sensor = sensor_of_index();
+  sensor.lower = -0.1;
+  feedback.angle[kIndex] = -0.1f;
+  EXPECT_EQ(push(500), 0u);
+  feedback.angle[kIndex] = -0.0997f;
+  EXPECT_EQ(push(500), 0u) << "a step of its encoder away";
+  feedback.acted[3] = 0;
+  memory = {};
+  sensor.upper = 1.2;
+  feedback.angle[kIndex] = 1.2f;
+  EXPECT_EQ(push(500, -1), 0u);
+}
+
+TEST_F(FeedbackCheck, AnAngleWithinItsRangeOrPushedOffItsEndIsStuckAllTheSame) {
+  Sensor& sensor = sensor_of_index();
+  sensor.lower = -0.1;
+  sensor.upper = 1.2;
+  for (const auto& [angle, sense] : {std::pair(-0.1f, -1), {-0.08f, 1}, {0.5f, 1}, {1.18f, -1}, {1.2f, 1}}) {
+    memory = {};
+    feedback.angle[kIndex] = angle;
+    EXPECT_EQ(push(500, sense), kAngleStuck) << angle;
+  }
 }
 
 TEST_F(FeedbackCheck, ABrakeMovesNothing) {

@@ -45,14 +45,16 @@ void believe(float angle, std::int64_t asked, AngleMemory& memory) {
   memory.doubt = 0;
 }
 
-// [N m] Of what opens the joint, what must move it: where it was never opened or closed farther, it may stand
-// at its stop.
-double moving_torque(double torque, float angle, const AngleMemory& memory) {
+// [N m] Of what opens the joint, what must move it: at an end of its sensor's range, and where it was never
+// opened or closed farther, it may stand at its stop.
+double moving_torque(double torque, float angle, const Sensor& sensor, double step,
+                     const AngleMemory& memory) {
   const auto least = static_cast<double>(memory.least), most = static_cast<double>(memory.most),
              now = static_cast<double>(angle);
-  if (most - least < kShowsStops) return torque;
-  if (now < least + kSlack) return min(0, torque);
-  return now > most - kSlack ? max(0, torque) : torque;
+  const bool shown = most - least >= kShowsStops;
+  if (now <= sensor.lower + kSlack + step || (shown && now < least + kSlack)) torque = min(0, torque);
+  if (now >= sensor.upper - kSlack - step || (shown && now > most - kSlack)) torque = max(0, torque);
+  return torque;
 }
 
 void remember_torque(double torque, float angle, std::int64_t now, AngleMemory& memory) {
@@ -101,8 +103,9 @@ void check_feedback(const DeviceProfile& profile, DeviceFeedback& feedback, Feed
     // again.
     const bool stays_stuck = memory[a].stuck && feedback.angle[a] == memory[a].still;
     const JointTorque torque = torque_about(profile, feedback.acted, joint);
-    remember_torque(moving_torque(torque.now, feedback.angle[a], memory[a]), feedback.angle[a], feedback.time,
-                    memory[a]);
+    const double moving =
+        moving_torque(torque.now, feedback.angle[a], sensor, dynamics.encoder_step, memory[a]);
+    remember_torque(moving, feedback.angle[a], feedback.time, memory[a]);
     memory[a].stuck = stays_stuck || is_held(dynamics, torque.span, feedback.time, memory[a]);
     if (memory[a].stuck) {
       feedback.flags |= memory[a].doubt = kAngleStuck;

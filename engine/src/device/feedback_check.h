@@ -36,9 +36,10 @@ using FeedbackMemory = std::array<AngleMemory, kAngleCount>;
 /// its range; an angle farther from the last one believed than kFastestJoint takes it in the time since that
 /// was asked for; one that has stood still, to the last bit, for kStillTime or more while motors and wires
 /// changed the joint's torque within that time, or twice as long, by more than kStillShare of their span and
-/// four times its friction. What pushes a joint on where it has never been farther, although it has moved by
-/// half a radian, is no such torque: it may stand at its stop. What is not believed is replaced by what was
-/// believed last, and is believed again as soon as it is possible, what was stuck once it moves.
+/// four times its friction. What pushes a joint on at an end of its sensor's range, or where it has never
+/// been farther, although it has moved by half a radian, is no such torque: it may stand at its stop. What is
+/// not believed is replaced by what was believed last, and is believed again as soon as it is possible, what
+/// was stuck once it moves.
 void check_feedback(const DeviceProfile& profile, DeviceFeedback& feedback, FeedbackMemory& memory);
 
 }  // namespace lumbrical

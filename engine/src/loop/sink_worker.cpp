@@ -228,7 +228,7 @@ void DeviceSink::Worker::tell_doubts(const DeviceFeedback& feedback) {
         {kAngleJumped, " jumps farther than a finger can move"},
         {kAngleStuck,
          " is not moved by torques that must move it; if it stands at its stop, bend it once by half a "
-         "radian"}}) {
+         "radian, or let its sensor's lower .. upper in the profile end at the stops"}}) {
     if ((news & flag) == 0) continue;
     const auto sensor = std::find_if(
         profile.sensors.begin(), profile.sensors.end(), [this, reason = flag](const Sensor& one) {
