@@ -486,6 +486,7 @@ class SteadyLink final : public DeviceLink {
   }
   [[nodiscard]] std::int64_t now() const noexcept override { return now_; }
   bool feedback(DeviceFeedback& feedback) noexcept override {
+    if (std::exchange(told_at_, now_) == now_) return false;
     feedback = answer_;
     feedback.asked = feedback.time = now_;
     feedback.valid = doubted ? sensors_ & ~(1u << 5) : sensors_;
@@ -511,7 +512,7 @@ class SteadyLink final : public DeviceLink {
   DeviceFeedback answer_;
   SentCommand under_way_;
   std::uint32_t sensors_ = 0;
-  std::int64_t now_ = 1000000;
+  std::int64_t now_ = 1000000, told_at_ = 0;
 };
 
 TEST_F(DeviceLoopTest, ForcesComeBackSoftlyAfterAnAngleThatCannotBeAlsoWithoutLimiterAndAccounts) {
@@ -539,6 +540,39 @@ TEST_F(DeviceLoopTest, ForcesComeBackSoftlyAfterAnAngleThatCannotBeAlsoWithoutLi
   EXPECT_NEAR(link.torque, whole, 1e-6 * whole);
   EXPECT_LE(largest_rise, 1.01 * whole * 0.001 / profile.safety.soft_start);
   EXPECT_EQ(control.gaps, 0u) << "none of these angles was late";
+}
+
+// While ticks stand still the sink holds the command, then fades it, and a finger opens all the while: what
+// acts when they go on tells nothing of that.
+TEST_F(DeviceLoopTest, BooksTheEnergyThatEachCommandGaveWhileTicksStoodStill) {
+  profile.safety.tick_hold = 0.02;
+  open();
+  ASSERT_TRUE(steps_until([&] { return told() > 0; }));
+  const EnergyAccount& account = loop.control.account[1];
+  const double before = account.energy, step_back = profile.dynamics[3].encoder_step;
+  double given = 0;
+  while (device.value[3] != 0) {
+    const double acts = device.value[3];
+    device.off[5] -= static_cast<float>(step_back);  // so little that damping is not counted on
+    for (const int exchanges = device.exchanges; device.exchanges == exchanges;) loop.sink.cycle();
+    given += acts * step_back;
+  }
+  ASSERT_GT(given, 0);
+  loop.sink.cycle();
+  step();
+  EXPECT_NEAR(before - account.energy, given, 1e-3 * given);
+}
+
+// More exchanges than the sink keeps for them: what is lost of these is no force's, which have faded.
+TEST_F(DeviceLoopTest, TheNewestAnglesCountHoweverLongTicksStoodStill) {
+  profile.safety.tick_hold = 0.02;
+  open();
+  for (const int before = device.exchanges; device.exchanges < before + 600; loop.sink.cycle())
+    device.off[5] = 1e-3f * static_cast<float>(device.exchanges - before);
+  for (int i = 0; i < 3; ++i) {
+    step();
+    EXPECT_EQ(loop.control.feedback.angle[5], kAngle + device.off[5]) << i;
+  }
 }
 
 TEST_F(DeviceLoopTest, WithoutSensorsItIsToldThatJointAnglesGiveNoForces) {

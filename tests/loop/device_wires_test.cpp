@@ -119,7 +119,8 @@ bool acts(DeviceSink& sink, const std::function<bool()>& holds, DeviceFeedback* 
   return test::eventually([&] {
     ++command.tick;
     DeviceFeedback feedback;
-    if (sink.feedback(feedback) && heard != nullptr) *heard = feedback;
+    while (sink.feedback(feedback))
+      if (heard != nullptr) *heard = feedback;
     sink.publish(command);
     return holds();
   });

@@ -257,7 +257,7 @@ TEST_F(ModbusLoop, EveryCommandSentIsHandedBackWithItsAcknowledgement) {
   int delays = 0;
   EXPECT_TRUE(eventually([&] {
     ++command.tick;
-    if (plain.feedback(feedback)) command.feedback_time = feedback.time;
+    while (plain.feedback(feedback)) command.feedback_time = feedback.time;
     plain.publish(command);
     while (plain.sent(sent)) {
       if (sent.sent == 0) continue;  // no command

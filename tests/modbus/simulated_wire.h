@@ -194,7 +194,7 @@ class TickingSink {
       while (!ending_) {
         if (!stalled) {
           ++command.tick;
-          if (sink.feedback(feedback)) command.feedback_time = feedback.asked;
+          while (sink.feedback(feedback)) command.feedback_time = feedback.asked;
           doubts = feedback.flags;
           command.wanted.fill(wanted);
           sink.publish(command);

@@ -48,9 +48,10 @@ inline constexpr std::uint32_t kMaxSentPerTick = 4;
 /// What a loop has of a device: a sink (DeviceSink), or a simulation in its own time. None of these waits.
 class DeviceLink {
  public:
-  [[nodiscard]] virtual std::int64_t now() const noexcept = 0;   ///< [ns] by the clock of the times above
-  virtual bool feedback(DeviceFeedback& feedback) noexcept = 0;  ///< false: nothing newer than last time
-  virtual bool sent(SentCommand& command) noexcept = 0;  ///< the next one not yet asked for; false: none
+  [[nodiscard]] virtual std::int64_t now() const noexcept = 0;  ///< [ns] by the clock of the times above
+  /// The next one not yet asked for; false: none. Ask until then: the last one is the newest.
+  virtual bool feedback(DeviceFeedback& feedback) noexcept = 0;
+  virtual bool sent(SentCommand& command) noexcept = 0;  ///< likewise
   virtual void publish(const DeviceCommand& command) noexcept = 0;
 
  protected:

@@ -1,5 +1,5 @@
 // The sink that carries commands to a device and its angles back over some wire: behind the safety envelope,
-// newest value only, on a thread of its own if asked.
+// of commands the newest only, on a thread of its own if asked.
 #pragma once
 
 #include <cstdint>

@@ -38,7 +38,7 @@ struct HapticLoop {
   // What the device said.
   DeviceFeedback feedback;
   bool any_feedback = false;
-  bool fresh = false;                            ///< `feedback` came after the last command
+  bool fresh = false;  ///< `feedback` came after the last command, and is not booked
   std::array<double, 3 * kFingerCount> moved{};  ///< [rad] closing, between the two newest samples
   double between = 0;                            ///< [s] the two newest samples; 0: the device had let go
   JointArray speed{};                            ///< [rad/s]
@@ -69,6 +69,7 @@ struct HapticLoop {
   /// Share of its touch that each finger gets: gain, limiter and account, but no less than lets go of what
   /// the last command gave without a kick.
   std::array<double, kFingerCount> level{};
+  JointArray wanted{};                 ///< [N m] by the last command
   GivenTouch given, acting;            ///< by the last command acknowledged, and by the one before
   std::array<GivenTouch, 256> past{};  ///< by the commands of the last ticks, each at its tick's place
   std::uint64_t sharing = 1;  ///< ticks that share a place of `past`, so as to reach answer_timeout back
@@ -83,7 +84,8 @@ struct HapticLoop {
 
 HapticLoop start_loop(const DeviceProfile& profile, const LoopOptions& options);
 
-/// What the device said; call it with every feedback, once, before the tick that uses it.
+/// What the device said; call it with every feedback, once and in their order, before the tick that uses the
+/// newest. The energy of those before that is booked here.
 void take_feedback(const DeviceFeedback& feedback, HapticLoop& loop);
 
 /// Puts the device's angles into the place of the motion's fingers; the wrist stays the motion's. Flags

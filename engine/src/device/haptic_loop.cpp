@@ -210,6 +210,8 @@ JointArray wanted_torque(const ActuatorFrame& output, const HapticLoop& loop) {
   return wanted;
 }
 
+bool books_energy(const HapticLoop& loop) { return loop.certified && keeps_accounts(loop); }
+
 // What the accounts of the fingers can't pay is taken off their levels.
 void pay_for(const JointArray& wanted, double dt, HapticLoop& loop) {
   if (loop.fresh) book_energy(wanted, loop);
@@ -261,6 +263,8 @@ HapticLoop start_loop(const DeviceProfile& profile, const LoopOptions& options) 
 }
 
 void take_feedback(const DeviceFeedback& feedback, HapticLoop& loop) {
+  // While ticks stood still the sink went on, and what acts now is not what acted then.
+  if (loop.fresh && books_energy(loop)) book_energy(loop.wanted, loop);
   // Between the two moments of reading lies one of these; where they differ, the longer one counts.
   const double between =
       in_seconds(std::max(feedback.asked - loop.feedback.asked, feedback.time - loop.feedback.time));
@@ -350,9 +354,9 @@ DeviceCommand command_forces(const Model& model, Scratch& scratch, const DeviceF
   const std::array<double, kFingerCount> least = least_levels(output, now, kLetGo, loop);
   for (std::size_t f = 0; f < kFingerCount; ++f)
     loop.level[f] = max(loop.gain * loop.limiter.factor[f], least[f]);
-  if (angles && loop.certified && keeps_accounts(loop)) pay_for(wanted_torque(output, loop), dt, loop);
+  if (angles && books_energy(loop)) pay_for(wanted_torque(output, loop), dt, loop);
   keep_least_levels(output, now, loop);
-  const JointArray wanted = wanted_torque(output, loop);
+  const JointArray wanted = loop.wanted = wanted_torque(output, loop);
   keep_levels(output, loop);
   loop.fresh = false;
   for (std::size_t f = 0; f < kFingerCount; ++f)
@@ -369,7 +373,7 @@ DeviceCommand command_forces(const Model& model, Scratch& scratch, const DeviceF
 }
 
 void take_angles(DeviceLink& link, HapticLoop& loop, LoopStep& step) {
-  if (DeviceFeedback feedback; link.feedback(feedback)) take_feedback(feedback, loop);
+  for (DeviceFeedback feedback; link.feedback(feedback);) take_feedback(feedback, loop);
   step.blind = !put_angles(loop, link.now(), step.frame);
 }
 

@@ -60,7 +60,7 @@ void DeviceSink::publish(const DeviceCommand& command) noexcept {
 }
 
 bool DeviceSink::feedback(DeviceFeedback& feedback) noexcept {
-  return worker_ && worker_->feedbacks.take(feedback);
+  return worker_ && worker_->next_feedback(feedback);
 }
 
 bool DeviceSink::sent(SentCommand& command) noexcept {

@@ -271,7 +271,30 @@ void DeviceSink::Worker::take_feedback(std::int64_t sent, std::int64_t now) {
   take_angles(feedback);
   check_feedback(profile, feedback, feedback_memory);
   tell_doubts(feedback);
-  feedbacks.put(feedback);
+  hand_over(feedback);
+}
+
+void DeviceSink::Worker::hand_over(const DeviceFeedback& feedback) {
+  DeviceFeedback* const slot = feedbacks.claim();
+  if (slot == nullptr) return newest_feedback.put(feedback);
+  *slot = feedback;
+  feedbacks.publish();
+}
+
+// Every one, so that all energy is booked. When ticks have stood still for longer than the ring has room for,
+// forces have long faded: then the newest is enough.
+bool DeviceSink::Worker::next_feedback(DeviceFeedback& feedback) {
+  DeviceFeedback next;
+  if (const DeviceFeedback* const front = feedbacks.front(); front != nullptr) {
+    next = *front;
+    feedbacks.pop();
+  } else if (!newest_feedback.take(next)) {
+    return false;
+  }
+  if (next.time <= taken_feedback) return false;  // the ring had room again before it was asked for
+  taken_feedback = next.time;
+  feedback = next;
+  return true;
 }
 
 // Null: no one listens.

@@ -1,7 +1,9 @@
 // What a sink does cycle after cycle: connection, handshake, safety envelope and exchange.
 #pragma once
 
+#include <algorithm>
 #include <atomic>
+#include <cmath>
 #include <cstdint>
 #include <memory>
 #include <mutex>
@@ -24,6 +26,12 @@ struct PublishedCommand {
   std::int64_t time = 0;
 };
 
+/// Samples that wait for ticks that stand still: twice as many as come until all forces have faded.
+inline std::uint32_t feedback_room(const DeviceProfile& profile) {
+  const double time = profile.safety.tick_hold + profile.safety.fade;
+  return static_cast<std::uint32_t>(std::max(256.0, std::ceil(2 * profile.rate * time)));
+}
+
 enum SinkRequest : unsigned { kArm = 1, kDisarm = 2, kReset = 4, kArmWhenReady = 8 };
 
 struct DeviceSink::Worker {
@@ -34,7 +42,8 @@ struct DeviceSink::Worker {
 
   // Between threads.
   Newest<PublishedCommand> commands;
-  Newest<DeviceFeedback> feedbacks;
+  Ring<DeviceFeedback> feedbacks;
+  Newest<DeviceFeedback> newest_feedback;  // where the ring has no room for it
   Ring<SentCommand> history{4096};
   std::atomic<unsigned> requests{0};
   std::atomic<bool> stop{false}, dead_man{true}, closing{false}, safe{false};
@@ -43,6 +52,9 @@ struct DeviceSink::Worker {
   SinkReport report;
   std::vector<SinkEvent> events;
   std::thread thread;
+
+  // Of the ticking thread.
+  std::int64_t taken_feedback = 0;  // `time` of the newest
 
   // Of whoever makes the cycles.
   PublishedCommand newest;
@@ -80,6 +92,7 @@ struct DeviceSink::Worker {
         options(chosen),
         wire(std::move(way)),
         safety(start_safety(wanted)),
+        feedbacks(feedback_room(wanted)),
         arms_when_ready(chosen.arm),
         running{1 / wanted.rate} {
     wire->patience.usual = wanted.response_timeout;
@@ -113,6 +126,8 @@ struct DeviceSink::Worker {
   void tell_doubts(const DeviceFeedback& feedback);
   void take_angles(DeviceFeedback& feedback) const;
   void take_feedback(std::int64_t sent, std::int64_t now);
+  void hand_over(const DeviceFeedback& feedback);
+  bool next_feedback(DeviceFeedback& feedback);
   SentCommand* claim_slot(std::uint32_t flags);
   void remember(const SafetyOutput& output, std::int64_t sent, std::int64_t acknowledged);
   void remember_change(std::uint32_t flags);
