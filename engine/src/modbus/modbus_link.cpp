@@ -66,7 +66,7 @@ void ModbusLink::Free::operator()(_modbus* context) const {
 Status ModbusLink::open(const Transport& transport, double timeout) {
   close();
   const Status status =
-      transport.kind == TransportKind::rtu ? open_line(transport) : open_tcp(transport, timeout);
+      transport.kind == TransportKind::rtu ? open_line(transport, timeout) : open_tcp(transport, timeout);
   if (!status.ok()) return close(), status;
   file_ = modbus_get_socket(context_.get());
   serial_ = transport.kind == TransportKind::rtu;
@@ -92,7 +92,7 @@ Status ModbusLink::open_tcp(const Transport& transport, double timeout) {
   return Status::error(transport.host + ":" + port + ": " + in_words(error));
 }
 
-Status ModbusLink::open_line(const Transport& transport) {
+Status ModbusLink::open_line(const Transport& transport, double timeout) {
   context_.reset(modbus_new_rtu(transport.line.c_str(), static_cast<int>(transport.baud),
                                 static_cast<char>(transport.parity), 8, transport.stop_bits));
   if (!context_ || modbus_connect(context_.get()) != 0)
@@ -102,8 +102,23 @@ Status ModbusLink::open_line(const Transport& transport) {
     return Status::error(transport.line + ": is in use by another session");
   if (Status status = check_baud(modbus_get_socket(context_.get()), transport); !status.ok()) return status;
   silence_ = 3.5 * character_bits(transport) / transport.baud;
+  await_late_replies(timeout);
   modbus_flush(context_.get());
   return {};
+}
+
+// To what was asked before the line was opened, by whomever: on a line nothing says which request a reply
+// belongs to. An emergency stop doesn't wait for that.
+void ModbusLink::await_late_replies(double timeout) const {
+  std::int64_t end = steady_ns() + in_ns(timeout);
+  for (bool hurried = false; steady_ns() < end; sleep_for(in_seconds(kGlance))) end = hurry_up(hurried, end);
+}
+
+// When to give up, which is sooner once there is a hurry.
+std::int64_t ModbusLink::hurry_up(bool& hurried, std::int64_t end) const {
+  if (hurried || !patience.hurry || !patience.hurry()) return end;
+  hurried = true;
+  return std::min(end, steady_ns() + in_ns(patience.hurried));
 }
 
 void ModbusLink::close() {
@@ -180,11 +195,8 @@ LinkResult ModbusLink::receive(const ModbusQuestion& question, std::int64_t end,
   received_.clear();
   bool hurried = false;
   for (;;) {
+    end = hurry_up(hurried, end);
     const std::int64_t now = steady_ns();
-    if (!hurried && patience.hurry && patience.hurry()) {
-      hurried = true;
-      end = std::min(end, now + in_ns(patience.hurried));
-    }
     if (now >= end) {
       return {LinkOutcome::broken, hurried ? "timed out: no reply in two cycles to an emergency stop"
                                    : received_.empty() ? "timed out: no reply"

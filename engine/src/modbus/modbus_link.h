@@ -27,8 +27,9 @@ struct LinkResult {
 
 class ModbusLink {
  public:
-  /// Connects within `timeout` [s]. Refuses a serial line that did not take the baud rate (libmodbus then
-  /// silently uses 9600).
+  /// Connects within `timeout` [s]; to a serial line listens for as long, and forgets what comes: a late
+  /// reply would pass for one to the first request. Refuses a serial line that did not take the baud rate
+  /// (libmodbus then silently uses 9600).
   Status open(const Transport& transport, double timeout);
   void close();
 
@@ -41,7 +42,9 @@ class ModbusLink {
 
  private:
   Status open_tcp(const Transport& transport, double timeout);
-  Status open_line(const Transport& transport);
+  Status open_line(const Transport& transport, double timeout);
+  void await_late_replies(double timeout) const;
+  std::int64_t hurry_up(bool& hurried, std::int64_t end) const;
   LinkResult transact(ModbusQuestion question, const std::uint16_t* sent, std::uint16_t* words);
   LinkResult send(std::int64_t end);
   LinkResult receive(const ModbusQuestion& question, std::int64_t end, std::uint16_t* words);
