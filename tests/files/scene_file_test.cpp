@@ -258,6 +258,9 @@ TEST(SceneFile, TellsEveryMistakeWithItsPlace) {
       {R"({"motion": {"grasp": {}}, "objects": [
 {"box": {}, "moves": "free", "mass": 1, "inertia": [1, 1, 3, 0, 0, 0]}]})",
        ":2:52: objects[0].inertia is no body's"},
+      {R"({"motion": {"grasp": {}}, "objects": [
+{"box": {}, "moves": "free", "mass": 1, "inertia": [1e-100, 1e-100, 1e-100, 0, 0, 0]}]})",
+       ":2:52: objects[0].inertia is no body's: give moments of 1e-18 to 1e+22 kg m^2"},
       {R"({"motion": {"grasp": {}}, "objects": [{"box": {}, "mass": 1}]})",
        ":1:59: objects[0].mass needs \"moves\""},
       {R"({"motion": {"grasp": {}}, "objects": [{"plane": {}}], "execution": {"broadphase": "heap"}})",

@@ -95,6 +95,41 @@ TEST(ObjectChecks, WhatCanNotBeIsRefusedByName) {
   EXPECT_NE(build_model(crowd, {}, model).message().find("32768"), std::string::npos);
 }
 
+// Their squares and cubes leave the range of numbers, and then the motion does.
+TEST(ObjectChecks, ABodyWhoseInertiaNoMotionCanBeWorkedOutWithIsRefused) {
+  const auto refusal = [](const SceneObject& box) {
+    Scene scene = test::pad_scene();
+    scene.objects.push_back(box);
+    Model model;
+    return build_model(scene, {}, model).message();
+  };
+  for (const double moment : {1e-100, 0.9e-18, 1.1e22, 1e200}) {
+    SceneObject box = test::body_of("box", cube(0.05), 0.2, {}, {});
+    box.mechanism.body.inertia = {moment, moment, moment, 0, 0, 0};
+    EXPECT_NE(refusal(box).find("\"box\": inertia is out of range: give moments of 1e-18"), std::string::npos)
+        << moment << refusal(box);
+  }
+  // A mesh in a unit that is not its own.
+  EXPECT_NE(refusal(test::body_of("box", cube(1e-12), 0.2, {}, {})).find("check the mesh's unit"),
+            std::string::npos);
+}
+
+TEST(ObjectChecks, TheLightestBodyStaysInTheRangeOfNumbersHoweverItIsStruck) {
+  Scene scene = test::pad_scene();
+  SceneObject box = test::body_of("box", cube(0.05), 1e-6, {}, {0.5, 0.4, 0, 1000});
+  box.mechanism.body.inertia = {1e-18, 1e-18, 1e-18, 0, 0, 0};
+  for (const Mobility mobility : {Mobility::free, Mobility::hinge, Mobility::ball}) {
+    box.mechanism.mobility = mobility;
+    scene.objects.assign(1, box);
+    Session run(scene);
+    for (int i = 0; i < 400; ++i) {
+      const ObjectOutput& moved = run.step(test::frame_of({{{0.02, 0.013, -0.03 + 0.0001 * i}}}));
+      ASSERT_TRUE(is_finite(moved.pose.position) && is_finite(norm(run.state.objects[0].angular_velocity)))
+          << mobility_name(mobility) << i;
+    }
+  }
+}
+
 TEST(ObjectChecks, AMeshThatEnclosesNoOneSolidIsRefusedWithWhatIsWrongAndWhatHelps) {
   const auto refusal = [](const Mesh& mesh) {
     MassProperties body;

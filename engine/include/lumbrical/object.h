@@ -53,7 +53,7 @@ std::string_view mobility_name(Mobility mobility);
 struct MassProperties {
   double mass = 0;                  ///< [kg]
   Vec3 centre;                      ///< [m] in O
-  std::array<double, 6> inertia{};  ///< [kg m^2] about the centre, along O's axes: xx yy zz xy yz zx
+  std::array<double, 6> inertia{};  ///< [kg m^2] about the centre, along O: xx yy zz (1e-18 .. 1e22) xy yz zx
   friend bool operator==(const MassProperties&, const MassProperties&) = default;
 };
 

@@ -77,10 +77,9 @@ void read_body(const format::Object& table, const std::string& at, FieldReader& 
     scale_to_mass(mass, body);
   }
   read.vector(table.centre(), at + ".centre", range::place, body.centre);
-  read.numbers(table.inertia(), at + ".inertia", {-1e9, 1e9}, body.inertia);
+  read.numbers(table.inertia(), at + ".inertia", {-range::inertia.high, range::inertia.high}, body.inertia);
   if (read.ok() && !is_inertia(body.inertia))
-    read.error(at + ".inertia",
-               "is no body's: it must be positive, and no moment above the sum of the others");
+    read.error(at + ".inertia", "is no body's: give " + inertia_rule());
 }
 
 void read_given(const format::Object& table, const std::string& at, FieldReader& read, SceneObject& object,

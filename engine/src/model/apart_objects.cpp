@@ -30,8 +30,7 @@ struct FieldCheck {
 void check_body(const MassProperties& body, FieldCheck& check) {
   check.number(body.mass, "mass", range::mass);
   check.require(is_place(body.centre), "centre", "a place within 1e8 m");
-  check.require(is_inertia(body.inertia), "inertia",
-                "that of a body: positive, no moment above the sum of the others");
+  check.require(is_inertia(body.inertia), "inertia", inertia_rule());
 }
 
 void check_joint(const Mechanism& mechanism, FieldCheck& check) {
@@ -77,11 +76,19 @@ void check_surface(const SceneObject& object, FieldCheck& check) {
 
 bool is_inertia(const std::array<double, 6>& inertia) {
   const auto& [xx, yy, zz, xy, yz, zx] = inertia;
+  for (const double moment : {xx, yy, zz})
+    if (!range::inertia.holds(moment)) return false;
   const double least = 1e-15 * (xx + yy + zz);
   const double minor = xx * yy - xy * xy,
                whole = xx * (yy * zz - yz * yz) - xy * (xy * zz - yz * zx) + zx * (xy * yz - yy * zx);
   return least > 0 && xx > least && minor > least * least && whole > least * least * least &&
          1.000001 * (xx + yy) >= zz && 1.000001 * (yy + zz) >= xx && 1.000001 * (zz + xx) >= yy;
+}
+
+std::string inertia_rule() {
+  return "moments of " + text_of(range::inertia) +
+         ", positive about every axis and none above the sum of the others; where they are the mesh's own, "
+         "check the mesh's unit";
 }
 
 Status check_material(const SceneObject& object) {

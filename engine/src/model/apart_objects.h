@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <string>
 #include <vector>
 
 #include "lumbrical/model.h"
@@ -14,8 +15,10 @@ Status check_material(const SceneObject& object);
 /// Refuses masses, joints, surfaces and poses that make no sense, and names object and field.
 Status check_apart(const SceneObject& object);
 
-/// Of some body: positive about every axis, and no axis above the sum of the others.
+/// Of some body: in range and positive about every axis, and no axis above the sum of the others.
 bool is_inertia(const std::array<double, 6>& inertia);
+/// What to give in its place where it is not.
+std::string inertia_rule();
 
 /// Gravity and ground.
 Status check_surroundings(const Scene& scene);

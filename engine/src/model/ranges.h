@@ -40,6 +40,8 @@ inline constexpr Range joint_lower{-1e3, 0, " m or rad"}, joint_upper{0, 1e3, " 
     joint_force{0, 1e6, " N or N m"}, detent_pitch{1e-6, 1e3, " m or rad"},
     latch_opens{1e-9, 1e3, " m or rad"};
 inline constexpr Range place{-kWorldReach, kWorldReach, " m"};
+// Of the lightest body 1 um wide, and of the heaviest as wide as the world: cubes of these are still numbers.
+inline constexpr Range inertia{1e-18, 1e22, " kg m^2"};
 
 }  // namespace range
 }  // namespace lumbrical
