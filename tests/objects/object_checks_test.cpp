@@ -152,6 +152,10 @@ TEST(ObjectChecks, AMeshThatEnclosesNoOneSolidIsRefusedWithWhatIsWrongAndWhatHel
   Mesh twisted = cube(0.01);
   std::swap(twisted.triangles[0][1], twisted.triangles[0][2]);
   EXPECT_TRUE(says(refusal(twisted), "3 misoriented edges")) << refusal(twisted);
+  Mesh turned = cube(0.01);
+  for (Triangle& triangle : turned.triangles) std::swap(triangle[0], triangle[1]);
+  EXPECT_TRUE(says(refusal(turned), "if it is inside out")) << refusal(turned);
+  EXPECT_TRUE(says(refusal(turned), "or give mass, centre and inertia")) << refusal(turned);
 }
 
 }  // namespace

@@ -69,7 +69,9 @@ Status mass_properties(const Mesh& mesh, double density, MassProperties& propert
     add_tetrahedron(mesh.vertices[t[0]] - middle, mesh.vertices[t[1]] - middle, mesh.vertices[t[2]] - middle,
                     sums);
   if (!(sums.volume > 0))
-    return Status::error("the mesh encloses no volume; if it is inside out, turn it over");
+    return Status::error(
+        "the mesh encloses no volume; if it is inside out, turn it over, as winding \"auto\" does, or give "
+        "mass, centre and inertia");
   const Vec3 c = sums.first / sums.volume;
   const double v = sums.volume;
   const double xx = sums.xx - v * c.x * c.x, yy = sums.yy - v * c.y * c.y, zz = sums.zz - v * c.z * c.z;
