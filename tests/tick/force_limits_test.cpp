@@ -143,10 +143,14 @@ TEST(ForceLimits, AStateThatTicksLeftIsTakenAndOneThatNoneLeavesIsNot) {
     tick(model, state, scratch, frame);
     EXPECT_TRUE(check_state(model, state).ok()) << i;
   }
-  State shares = state, objects = state;
+  State shares = state, objects = state, held = state, last = state;
   shares.rise = shares.fall = 0.6;
   objects.objects.emplace_back();
-  for (const State& wrong : {shares, objects}) EXPECT_FALSE(check_state(model, wrong).ok());
+  held.fall = last.rise = last.fall = 0;
+  held.held.joint_torque[3].z = 1;
+  last.held = {};
+  last.last.segment[2].force.y = -3;  // which would be gone at once
+  for (const State& wrong : {shares, objects, held, last}) EXPECT_FALSE(check_state(model, wrong).ok());
 }
 
 TEST(ForceLimits, AFingertipKeepsItsForceWhenThePalmTouchesAWall) {

@@ -65,7 +65,7 @@ struct State : HandState {
 State make_state(const Model& model);
 
 /// For a state from elsewhere: refuses one of more or fewer objects, with one where its mobility does not let
-/// it be, with a proxy where there is none, or with shares of fading forces that are more than all. Forces
+/// it be, with a proxy where there is none, shares of forces above 1, or forces that have no share. Forces
 /// above Settings::max_force, left by other settings, are taken: a tick lets out no more than its own allow.
 Status check_state(const Model& model, const State& state);
 

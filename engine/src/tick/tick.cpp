@@ -285,6 +285,16 @@ std::span<const Pose, kJointCount> placed_joints(const Scratch& scratch) {
   return scratch.primitives ? std::span<const Pose, kJointCount>(scratch.primitives->joints.pose) : kNowhere;
 }
 
+namespace {
+
+bool pushes(const HandForces& forces) {
+  bool any = false;
+  walk(forces, [&any](const FieldName&, double number) { any = any || number != 0; });
+  return any;
+}
+
+}  // namespace
+
 State make_state(const Model& model) {
   State state;
   for (const ApartObject& object : model.apart) state.objects.emplace_back().pose = object.start;
@@ -305,6 +315,10 @@ Status check_state(const Model& model, const State& state) {
     return Status::error("the state is of a model with a proxy, and this one has none");
   if (!(state.rise + state.fall <= 1 + 1e-9))
     return Status::error("the state's shares of forces are more than all of them; no tick leaves such a one");
+  if (state.fall == 0 && (pushes(state.held) || (state.rise == 0 && pushes(state.last))))
+    return Status::error(
+        "the state has forces and no share of them, so they would be gone at once; take one that a tick has "
+        "left");
   return {};
 }
 
