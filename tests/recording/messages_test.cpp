@@ -48,6 +48,17 @@ TEST(InputCheck, OfAHostileFileIsNoMoreThanAnAlteredInput) {
   }
 }
 
+#if !defined(NDEBUG) && !defined(__SANITIZE_THREAD__)
+TEST(TickRecordDeathTest, TakesNoMorePosesThanThereMayBeObjects) {
+  GTEST_FLAG_SET(death_test_style, "threadsafe");
+  TickRecord record;
+  const std::vector<ObjectFrame> given(kMostObjects + 1);
+  take_input({}, std::span(given).first(kMostObjects), record);
+  EXPECT_EQ(record.given_count, kMostObjects);
+  EXPECT_DEATH(take_input({}, given, record), "kMostObjects");
+}
+#endif
+
 TEST(TickMessage, LeavesOutWhatIsNotThere) {
   flatbuffers::FlatBufferBuilder builder;
   TickRecord record;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <cassert>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -263,6 +264,8 @@ Status decode_tick(std::span<const std::uint8_t> bytes, TickRecord& record, Inpu
 }
 
 void take_input(const DeviceFrame& frame, std::span<const ObjectFrame> given, TickRecord& record) {
+  assert(given.size() <= kMostObjects && "a scene has at most kMostObjects that are given");
+  given = given.first(std::min(given.size(), kMostObjects));
   record.device = frame;
   record.given_count = static_cast<std::uint32_t>(given.size());
   std::copy(given.begin(), given.end(), record.given.begin());
