@@ -615,6 +615,24 @@ TEST_F(DeviceLoopTest, IsNotOpenedWhereForcesWouldFadeBetweenTwoTicksAndWarnsWhe
   EXPECT_TRUE(opened(0.5).ok()) << "each tick is told at once";
 }
 
+// A cycle that is a little late, or an answer that is lost, would let go of everything.
+TEST_F(DeviceLoopTest, WarnsWhereTheDeviceCountsAsLostAfterLessThanThreeCycles) {
+  const auto warned = [&](double cycles) {
+    profile.safety.answer_timeout = cycles / profile.rate;
+    profile.response_timeout = 0.001;
+    EXPECT_TRUE(loop.open(model, profile, std::make_unique<HeldWire>(device, profile), {}).ok());
+    loop.close();
+    for (const SinkEvent& event : loop.sink.events())
+      if (event.text.find("lost after less than three cycles") != std::string::npos)
+        return event.text.find("raise safety.answer_timeout to 0.03 s") != std::string::npos;
+    return false;
+  };
+  profile.rate = 100;
+  EXPECT_TRUE(warned(1.01));
+  EXPECT_TRUE(warned(2.5));
+  EXPECT_FALSE(warned(10));
+}
+
 TEST_F(DeviceLoopTest, IsNotOpenedForTheOtherHand) {
   profile.side = Side::left;
   const Status status = loop.open(model, profile, std::make_unique<HeldWire>(device, profile), {});

@@ -21,6 +21,15 @@ constexpr double kWarmUp = 0.05;
 // Ticks that a command should be held for: of fewer, each that is a little late lets forces fade.
 constexpr double kTicksHeld = 3;
 
+// Cycles after which a device counts as lost: of fewer, each that is a little late, or whose answer is lost,
+// lets go of everything.
+constexpr double kCyclesAnswered = 3;
+
+// Without a thread cycles come with the ticks.
+double cycle_rate(const Model& model, const DeviceProfile& profile, const LoopSettings& settings) {
+  return settings.sink.thread ? profile.rate : min(profile.rate, model.settings.rate);
+}
+
 // Without a thread a tick is told as it comes, however late.
 double ticks_held(const Model& model, const DeviceProfile& profile, const LoopSettings& settings) {
   return settings.sink.thread ? model.settings.rate * profile.safety.tick_hold : kTicksHeld;
@@ -28,6 +37,11 @@ double ticks_held(const Model& model, const DeviceProfile& profile, const LoopSe
 
 std::string hold_remedy(const Model& model) {
   return "; raise safety.tick_hold to " + text_of(kTicksHeld / model.settings.rate) + " s, or tick faster";
+}
+
+std::string answer_remedy(double rate) {
+  return "; raise safety.answer_timeout to " + text_of(kCyclesAnswered / rate) +
+         " s, where the device's own watchdog is no shorter, or the rate";
 }
 
 // No delay will ever be measured, so that the limiter lets nothing through.
@@ -57,6 +71,10 @@ Status DeviceLoop::open(const Model& model, const DeviceProfile& profile, std::u
   if (held < kTicksHeld)
     sink.tell("a command is held for little more than a tick: forces fade whenever one is late" +
               hold_remedy(model));
+  if (const double rate = cycle_rate(model, profile, settings);
+      rate * profile.safety.answer_timeout < kCyclesAnswered)
+    sink.tell("the device counts as lost after less than three cycles: forces end whenever one is late" +
+              answer_remedy(rate));
   settings_ = wanted;
   control = start_loop(profile, settings.control);
   figures = {};
