@@ -337,6 +337,24 @@ TEST(SampledRung, AFingerOfWhichAPhalanxIsASphereOrNearlyIsFeltAsExactly) {
   }
 }
 
+// Patches go by the hand's radii: none of them may have all be cut as small as the point is.
+TEST(SampledRung, FingertipsThatAreNearlyPointsAreFeltAtAHandsPrice) {
+  Scene scene = sampled_scene(default_hand(Side::right), {{"plane", make_plane(0.3, 1)}});
+  Random random(37);
+  for (const double radius : {1e-4, 1e-6}) {
+    for (const Joint tip : {kThumbTip, kIndexTip, kMiddleTip, kRingTip}) scene.hand.radius[tip] = radius;
+    FeelingHand exact(scene, 0), sampled(scene, 1e-4);
+    for (int i = 0; i < 10; ++i) {
+      const DeviceFrame frame =
+          dropped_hand(scene.hand, random, 0, 0.6, 0.2, random.between(0.003, 0.006), 0.03);
+      const ActuatorFrame truth = exact(frame), felt = sampled(frame);
+      ASSERT_GT(force_size(truth), 0.01);
+      EXPECT_LE(norm(total_force(felt) - total_force(truth)), 1e-4 * force_size(truth)) << radius;
+      EXPECT_LE(felt.evaluations, 50000u) << radius;
+    }
+  }
+}
+
 // A finger's segments share out space, which no two rungs can do together.
 TEST(SampledRung, AFingerIsExactOfWhichAnySegmentIsOrFollowsAnotherLaw) {
   const Hand hand = default_hand(Side::right);

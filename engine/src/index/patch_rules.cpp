@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "base/fixed_list.h"
 #include "base/set_bits.h"
 #include "lumbrical/math.h"
 
@@ -19,6 +20,10 @@ constexpr std::array<double, kLevels> kStep = {0.46, 0.46, 0.37, 0.3, 0.245, 0.2
 
 // R is no less and no more than these shares of a segment's own radius.
 constexpr double kThick = 0.5, kThin = 1.5;
+
+// A segment counts as no thinner than this share of what is usual in the hand: one that is nearly a point is
+// hardly felt, and would have patches everywhere be as small as it is.
+constexpr double kThinnest = 0.2;
 
 // [R] The steps that patches are measured in, at a precision of 1e-4 and at coarser ones: of longer patches
 // most would be nowhere near a finger.
@@ -81,13 +86,25 @@ double mean_over(std::uint32_t segments, const Of& of) {
   return sum / count;
 }
 
+double median_radius(const Hand& hand, std::uint32_t segments) {
+  FixedList<double, kSegmentCount> radii;
+  for_numbers(segments, [&](std::size_t i) { radii.push_back(radius_of(hand, i)); });
+  std::sort(radii.begin(), radii.end());
+  return *(radii.begin() + radii.size() / 2);
+}
+
+/// [m] Of what is sampled.
+struct UsualRadius {
+  double mean, least;
+};
+
 // By how much longer than at 1e-4 steps may be where the error falls with their fourth power.
 double longer_for(double precision) { return std::sqrt(std::sqrt(precision / 1e-4)); }
 
 // [m] R, as long as a segment's precision makes it.
-double step_unit(const Hand& hand, const Settings& settings, std::size_t segment, double mean) {
-  const double own = radius_of(hand, segment);
-  return longer_for(settings.precision[segment]) * clamp(mean, kThick * own, kThin * own);
+double step_unit(const Hand& hand, const Settings& settings, std::size_t segment, const UsualRadius& usual) {
+  const double own = max(radius_of(hand, segment), usual.least);
+  return longer_for(settings.precision[segment]) * clamp(usual.mean, kThick * own, kThin * own);
 }
 
 LatticeSteps lattice_steps(double size, double unit) {
@@ -145,7 +162,8 @@ PatchRules patch_rules(const Hand& hand, const Settings& settings) {
     const double radius = radius_of(hand, i);
     return radius * radius * radius;
   });
-  const auto unit_of = [&](std::size_t i) { return step_unit(hand, settings, i, mean); };
+  const UsualRadius usual{mean, kThinnest * median_radius(hand, rules.segments)};
+  const auto unit_of = [&](std::size_t i) { return step_unit(hand, settings, i, usual); };
   double finest = std::numeric_limits<double>::infinity();
   rules.step = finest;
   for_numbers(rules.segments, [&](std::size_t i) {
