@@ -6,7 +6,9 @@
 #include <cmath>
 #include <span>
 #include <string>
+#include <tuple>
 
+#include "base/gauss.h"
 #include "exact/finger_reference.h"
 #include "largest.h"
 #include "lumbrical/jacobian.h"
@@ -236,6 +238,104 @@ TEST(FeltOnce, IsTheSameOnNeedlesAsOnOtherTriangles) {
   const BodyForces expected = feel(coarse, FeltOnce::always);
   EXPECT_GT(difference(feel(coarse, FeltOnce::never), expected).hand, 0.01);
   EXPECT_LT(difference(feel(needles, FeltOnce::always), expected).body, 2e-6);
+}
+
+// The fields of the deepest bodies on a ray from a triangle's corner, by Simpson's rule on parts that are
+// halved until they are right, or next to nothing: where another body begins to be the deepest one.
+class OnRay {
+ public:
+  using Fields = std::array<double, kBodies>;
+  OnRay(const BodyFields& fields, Vec3 from, Vec3 to) : fields_(fields), from_(from), to_(to) {}
+
+  /// [m] Integrals of field r dr, r from 0 to 1.
+  [[nodiscard]] Fields integral() const {
+    constexpr int kParts = 256;
+    Fields sum{};
+    for (int i = 0; i < kParts; ++i) {
+      const double begin = i / double(kParts), width = 1 / double(kParts);
+      add_to(sum, begin, width, {felt(begin), felt(begin + width / 2), felt(begin + width)}, 1e-14);
+    }
+    return sum;
+  }
+
+ private:
+  [[nodiscard]] Fields felt(double t) const {
+    const Fields all = fields_.at(from_ + t * (to_ - from_));
+    const auto deepest = static_cast<std::size_t>(std::max_element(all.begin(), all.end()) - all.begin());
+    Fields one{};
+    one[deepest] = t * std::max(0.0, all[deepest]);
+    return one;
+  }
+  void add_to(Fields& sum, double begin, double width, const std::array<Fields, 3>& at, double most) const {
+    const Fields first = felt(begin + width / 4), second = felt(begin + 3 * width / 4);
+    Fields value;
+    double change = 0;
+    for (std::size_t k = 0; k < kBodies; ++k) {
+      value[k] = width / 12 * (at[0][k] + 4 * first[k] + 2 * at[1][k] + 4 * second[k] + at[2][k]);
+      change = std::max(change, std::fabs(value[k] - width / 6 * (at[0][k] + 4 * at[1][k] + at[2][k])));
+    }
+    if (change > most && width > 1e-12) {
+      add_to(sum, begin, width / 2, {at[0], first, at[1]}, most);
+      add_to(sum, begin + width / 2, width / 2, {at[1], second, at[2]}, most);
+    } else {
+      for (std::size_t k = 0; k < kBodies; ++k) sum[k] += value[k];
+    }
+  }
+
+  const BodyFields& fields_;
+  Vec3 from_, to_;
+};
+
+// By rays to each triangle's shortest edge, of a stiffness of 1.
+BodyForces reference_by_rays(const Model& model, const Primitives& hand) {
+  const BodyFields fields(hand);
+  BodyForces sum{};
+  for (std::uint32_t i = 0; i < model.triangles.size(); ++i) {
+    auto [a, b, c] = corners_of(model.triangles, i);
+    while (norm(c - b) > std::min(norm(b - a), norm(a - c))) std::tie(a, b, c) = std::tuple(b, c, a);
+    for (const auto [at, weight] : kGauss12) {
+      const auto field = OnRay(fields, a, b + at * (c - b)).integral();
+      for (std::size_t k = 0; k < kBodies; ++k) sum[k] += weight * field[k] * cross(b - a, c - a);
+    }
+  }
+  return sum;
+}
+
+// A fist anyhow round the x-axis, which goes through one of its fingers.
+DeviceFrame fist_round_x_axis(const Hand& hand, Random& random) {
+  DeviceFrame fist;
+  fist.kind = InputKind::joint_angles;
+  for (std::size_t i = 0; i < kAngleCount; ++i)
+    fist.angle[i] = i % 4 == 0 ? 0.0f : static_cast<float>(random.between(0.6, 1.5));
+  fist.base.orientation = random.rotation();
+  std::array<double, kAngleCount> angles;
+  std::copy(fist.angle.begin(), fist.angle.end(), angles.begin());
+  std::array<Pose, kJointCount> pose;
+  forward_kinematics(hand, fist.base, angles, pose);
+  fist.base.position = Vec3{0, 0.005, 0} - pose[kIndexProximal + 5 * random.below(4) + 1].position;
+  return fist;
+}
+
+// Their sides nearly cancel, and what is taken off them has to as well.
+TEST(FeltOnce, ThinRodsOfLongTrianglesAreRightToAMillionthOfWhatIsLeftOfTheirSides) {
+  const Hand hand = default_hand(Side::right);
+  Scene scene = sampled_scene(hand, {{"rod", make_box({0.3, 0.0003, 0.0003}, 1)}});
+  FeelingHand twice(scene, 0);
+  scene.settings.felt_once = FeltOnce::always;
+  FeelingHand once(scene, 0);
+  Random random(1);
+  int shared = 0;
+  for (int i = 0; i < 60; ++i) {
+    const DeviceFrame fist = fist_round_x_axis(hand, random);
+    const ActuatorFrame felt = once(fist);
+    if (norm(total_force(twice(fist)) - total_force(felt)) < 0.1 * force_size(felt)) continue;
+    ++shared;
+    const BodyForces expected = reference_by_rays(once.model(), *once.scratch().primitives);
+    const Difference off = difference(by_bodies(felt, scene.settings.stiffness), expected);
+    EXPECT_LT(off.hand, 2e-6) << i;
+    EXPECT_LT(off.body, 2e-6) << i;
+  }
+  EXPECT_GT(shared, 3);
 }
 
 TEST(FeltOnce, ContactRecordsAddUpToWhatIsFelt) {

@@ -16,11 +16,22 @@ namespace {
 // Parts are halved both ways, needles along their length, until that changes the integral by less than this
 // share of R^3, which leaves it off by an eighth of that, or a tenth of a segment's precision; and until
 // their edges are below a share of R, another one where nothing was found yet; or until they are below the
-// last share.
-constexpr double kTolerance = 1e-7, kLargest = 0.25, kLargestEmpty = 0.2, kLeast = 1e-3;
+// last share, whatever is still missing.
+struct Until {
+  double change, size, size_empty;
+};
+constexpr Until kUntil{1e-7, 0.25, 0.2};
+constexpr double kLeast = 1e-3;
 
 // A needle is more than so many times as long as it is wide.
 constexpr double kNeedle = 8;
+
+// Long needles are the sides of rods, which nearly cancel: what is left goes with the square of their width,
+// so the share of R^3 does too, and is this for those as wide as R. Below a share of R nobody feels what is
+// left. Needles shorter than another share are in all fine meshes, whose sides don't cancel so: time for
+// nothing.
+constexpr Until kUntilOfRod{1e-10, 0.1, 0.05};
+constexpr double kThinnest = 1e-3, kRod = 0.5;
 
 // [m] A lead that is more than rounding: where two bodies have a field in common, the first one has it.
 constexpr double kTie = 1e-14;
@@ -75,6 +86,14 @@ struct Touched {
   }
 };
 
+/// [m] Of a needle longer than that, or 0.
+double rod_width(const Corners& corner, double least_length) {
+  const auto& [a, b, c] = corner;
+  const double length = max(norm(b - a), max(norm(c - b), norm(a - c)));
+  const double width = norm(cross(b - a, c - a)) / length;
+  return length > max(kNeedle * width, least_length) ? width : 0;
+}
+
 /// What a point is told by: the segment's field, and by how much other bodies are deeper than its own.
 struct Told {
   Point2 at;
@@ -88,7 +107,8 @@ class Overlap {
     const Primitives& hand = touched.hand;
     radius_ = segment == kPalmSegment ? hand.palm.radius
                                       : max(hand.capsule[segment].radius1, hand.capsule[segment].radius2);
-    tolerance_ = max(kTolerance, 0.1 * precision) * radius_ * radius_ * radius_;
+    tolerance_ = max(kUntil.change, 0.1 * precision) * radius_ * radius_ * radius_;
+    if (const double width = rod_width(touched.corner, kRod * radius_); width > 0) take_for_rod(width);
     if (segment == kPalmSegment) return;
     const auto add = [&](std::size_t inner, bool is_first) {
       if (hand.present[inner] && hand.present[inner + 1])
@@ -112,6 +132,11 @@ class Overlap {
   }
 
  private:
+  void take_for_rod(double width) {
+    const double share = std::clamp(width / radius_, kThinnest, 1.0);
+    tolerance_ *= share * share * (kUntilOfRod.change / kUntil.change);
+    until_ = kUntilOfRod;
+  }
   [[nodiscard]] bool has_kin() const { return count_ > 0 || across_ < kPhalanxCount; }
   [[nodiscard]] Told tell(Point2 p) const {
     const double own = touched_.field(segment_, p);
@@ -175,7 +200,7 @@ class Overlap {
     PartMoments sum;
     for (std::size_t k = 0; k < kCount; ++k) add(of_part[k] = integral(part[k], area / kCount), sum);
     const double change = std::fabs(sum.volume - whole.volume);
-    if ((size < (sum.volume > 0 ? kLargest : kLargestEmpty) * radius_ && change <= tolerance_) ||
+    if ((size < (sum.volume > 0 ? until_.size : until_.size_empty) * radius_ && change <= tolerance_) ||
         size < kLeast * radius_) {
       error += change;
       return sum;
@@ -213,6 +238,7 @@ class Overlap {
   std::size_t segment_, count_ = 0;
   std::size_t across_ = kPhalanxCount;  // the tile that a folded finger's first or last meets here
   double radius_, tolerance_;           // [m], [m^3]
+  Until until_ = kUntil;
   std::array<Rival, 2> rival_;
 };
 
