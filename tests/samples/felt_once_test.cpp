@@ -190,6 +190,62 @@ TEST(FeltOnce, IsWhatTheDeepestBodyFeelsOnEveryRung) {
   EXPECT_GT(of_any, 100u);
 }
 
+// Of each segment, as a share of all.
+double worst_segment(const HandForces& one, const HandForces& other) {
+  double most = 0;
+  for (std::size_t i = 0; i < kSegmentCount; ++i)
+    most = largest(most, norm(one.segment[i].force - other.segment[i].force));
+  return most / force_size(other);
+}
+
+// A fist about a fine sphere: where the index finger's skin meets the thumb's, it runs along the thumb's
+// joint.
+TEST(FeltOnce, NeighboursKeepTheirSharesWhereAnotherFingerLiesAlongTheirJoint) {
+  const Hand hand = default_hand(Side::right);
+  Scene scene = sampled_scene(hand, {{"sphere", make_sphere(0.0873, 85)}});
+  scene.settings.felt_once = FeltOnce::always;
+  DeviceFrame frame;
+  frame.kind = InputKind::joint_angles;
+  frame.angle = {0.0926f, 1.4856f, 1.3719f,  1.3497f, 0.0059f, 1.3748f, 1.5671f,  1.4423f, -0.0809f, 1.5153f,
+                 1.5622f, 1.4723f, -0.0348f, 1.4306f, 1.5140f, 1.5125f, -0.0595f, 1.5566f, 1.5411f,  1.5502f};
+  frame.base.position = {-0.0939, -0.066009, -0.034648};
+  frame.base.orientation = normalized({-0.47114, 0.38258, 0.70927, -0.35859});
+  FeelingHand exact(scene, 0);
+  const ActuatorFrame felt = exact(frame);
+  for (const double precision : {1e-4, 1e-5}) {
+    FeelingHand samples(scene, precision);
+    EXPECT_LT(worst_segment(samples(frame), felt), 3 * precision) << precision;
+  }
+}
+
+// Of thick fingers and a thick palm up to three meet in a cell, and planes that go through the palm's middle
+// meet the ridge of its field.
+TEST(FeltOnce, ThickFingersAndThePalmShareOutWhatTheyHoldTogether) {
+  Hand hand = default_hand(Side::right);
+  for (double& radius : hand.radius) radius *= 2.4;
+  Scene scene = sampled_scene(hand, {{"plane", make_plane(0.6, 1)}});
+  scene.settings.felt_once = FeltOnce::always;
+  FeelingHand exact(scene, 0), samples(scene, 1e-4);
+  Random random(3);
+  std::size_t felt_poses = 0;
+  for (int pose = 0; pose < 120; ++pose) {
+    DeviceFrame frame;
+    frame.kind = InputKind::joint_angles;
+    for (std::size_t k = 0; k < kAngleCount; ++k)
+      frame.angle[k] = static_cast<float>(k % 4 != 0 ? random.between(-0.2, 1.2) : 0);
+    frame.base.orientation = random.rotation();
+    frame.base.position = {random.between(-0.02, 0.02), random.between(-0.02, 0.02),
+                           random.between(-0.04, 0.04)};
+    const ActuatorFrame felt = exact(frame), by_samples = samples(frame);
+    const double size = force_size(felt);
+    if (size < 1) continue;
+    ++felt_poses;
+    EXPECT_LT(norm(total_force(by_samples) - total_force(felt)), 7e-5 * size) << pose;
+    EXPECT_LT(worst_segment(by_samples, felt), 3e-4) << pose;
+  }
+  EXPECT_GT(felt_poses, 60u);
+}
+
 // What the records of a hand's contacts come to together, per segment.
 HandForces sum_of(std::span<const Contact> contacts, const Scratch& scratch, double stiffness) {
   HandForces sum;

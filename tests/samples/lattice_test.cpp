@@ -192,6 +192,54 @@ TEST(Lattice, APartOfACellHasItsOwnCentroid) {
   });
 }
 
+// Functions at the corners (0, 0), (1, 0), (0, 1), and a polygon's part where one is positive.
+using Values = std::array<float, 3>;
+double value_at(const Values& values, double u, double v) {
+  return values[0] + u * (values[1] - values[0]) + v * (values[2] - values[0]);
+}
+std::vector<Corner> positive_part(const std::vector<Corner>& polygon, const Values& values) {
+  std::vector<Corner> part;
+  for (std::size_t i = 0; i < polygon.size(); ++i) {
+    const Corner &p = polygon[i], &q = polygon[(i + 1) % polygon.size()];
+    const double at_p = value_at(values, p.u, p.v), at_q = value_at(values, q.u, q.v);
+    if (at_p > 0) part.push_back(p);
+    if ((at_p > 0) == (at_q > 0)) continue;
+    const double t = at_p / (at_p - at_q);
+    part.push_back({p.u + t * (q.u - p.u), p.v + t * (q.v - p.v), p.f + t * (q.f - p.f)});
+  }
+  return part;
+}
+
+TEST(Lattice, ThePartOfACellWithinSeveralBordersIsExactHoweverTheyCross) {
+  Random random(12);
+  const auto any_values = [&] {
+    Values values;
+    for (float& value : values) value = static_cast<float>(random.between(-1, 1));
+    return values;
+  };
+  std::size_t crossed = 0;
+  for (int round = 0; round < 20000; ++round) {
+    const Values f = round % 2 == 0 ? any_values() : Values{1, 1, 1};
+    std::array<Values, 3> borders = {any_values(), any_values(), any_values()};
+    if (round % 3 == 0) borders[1] = borders[0];  // side by side
+    std::vector<Corner> polygon = positive_polygon(f[0], f[1], f[2]);
+    std::array<scalar::AtCorners<float>, 3> at;
+    for (std::size_t k = 0; k < borders.size(); ++k) {
+      polygon = positive_part(polygon, borders[k]);
+      at[k] = {borders[k][0], borders[k][1], borders[k][2]};
+    }
+    crossed += polygon.size() > 4 ? 1 : 0;
+    const Means expected = means_of(polygon);
+    const scalar::PartCell<float> cell(f[0], f[1], f[2], (f[0] + f[1] + f[2]) / 3);
+    const scalar::Cell<float> part = scalar::cell_within(cell, at);
+    EXPECT_NEAR(part.mean, expected.sum, 2e-6) << "round " << round;
+    if (round % 2 == 0) continue;  // centroids are those of areas
+    EXPECT_NEAR(part.mean / 3 + part.to_b / 12, expected.u, 2e-6) << "round " << round;
+    EXPECT_NEAR(part.mean / 3 + part.to_c / 12, expected.v, 2e-6) << "round " << round;
+  }
+  EXPECT_GT(crossed, 1000u);
+}
+
 // A cell is exact for quadratic functions that are positive: they are what a bubble can tell.
 TEST(Lattice, IntegratesPositiveQuadraticFunctionsExactly) {
   Random random(7);

@@ -9,40 +9,31 @@
 
 namespace lumbrical::LUMBRICAL_ISA {
 
-/// By how much the k-th of N fields is more than all others.
-template <class V, std::size_t N>
-LUMBRICAL_INLINE inline V lead_of(std::size_t k, const std::array<V, N>& field, V tie) {
-  V lead = number<V>(1e30);
-  for (std::size_t i = 0; i < N; ++i) {
-    if (i != k) lead = min(lead, i < k ? (field[k] - field[i]) - tie : (field[k] - field[i]) + tie);
-  }
-  return lead;
-}
-
-/// Of each of N fields, from their values at a cell's corners and centroid, the cell where it leads.
+/// Of each of N fields, from their values at a cell's corners and centroid, the cell where it leads. Of what
+/// fields have in common the first one has all.
 template <class V, std::size_t N>
 LUMBRICAL_INLINE inline std::array<Cell<V>, N> cells_where_leading(const std::array<V, N>& a,
                                                                    const std::array<V, N>& b,
                                                                    const std::array<V, N>& c,
                                                                    const std::array<V, N>& centre, V tie) {
-  const auto cut_of_lead = [&](std::size_t k) LUMBRICAL_INLINE {
-    return cut_of(lead_of(k, a, tie), lead_of(k, b, tie), lead_of(k, c, tie), lead_of(k, centre, tie));
-  };
   const auto own_cell = [&](std::size_t k)
                             LUMBRICAL_INLINE { return PartCell<V>(a[k], b[k], c[k], centre[k]); };
-  std::array<Cell<V>, N> cells;
+  const auto lead = [&](std::size_t k, std::size_t i) LUMBRICAL_INLINE {
+    const auto at = [&](const std::array<V, N>& field)
+                        LUMBRICAL_INLINE { return (field[k] - field[i]) + tie; };
+    return in_cell(at(a), at(b), at(c), at(centre));
+  };
   if constexpr (N == 2) {  // one leads where the other does not
-    const CutCorner<V> cut = cut_of_lead(0);
+    const AtCorners<V> ahead = lead(0, 1);
+    const CutCorner<V> cut(ahead.a, ahead.b, ahead.c);
     const PartCell<V> first = own_cell(0), second = own_cell(1);
-    cells[0] = first.where(cut);
-    cells[1] = second.elsewhere(cut);
+    return {first.where(cut), second.elsewhere(cut)};
   } else {
-    for (std::size_t k = 0; k < N; ++k) {
-      const PartCell<V> own = own_cell(k);
-      cells[k] = own.where(cut_of_lead(k));
-    }
+    static_assert(N == 3);
+    const AtCorners<V> first = lead(0, 1), second = lead(1, 2), last = lead(0, 2);
+    return {cell_within<V, 2>(own_cell(0), {first, last}), cell_within<V, 2>(own_cell(1), {-first, second}),
+            cell_within<V, 2>(own_cell(2), {-last, -second})};
   }
-  return cells;
 }
 
 /// A body's origin, from that of the finger that patches are listed for [m].
@@ -178,26 +169,36 @@ struct SharingParts {
     if (palm && k + 1 == count) return palm->field(patch[k].at(u, v));
     return tile_field(numbers_of<V>(tile_of(number[k])), point(k, u, v));
   }
-  /// What tells of the k-th part: its own share of what its finger has is where `side` is positive, too.
+  /// What tells of the k-th part: its field, and what is positive where it is its own: first among its
+  /// finger's, and by how much more its finger has there than other bodies, by themselves as far as there is
+  /// room.
+  static constexpr std::size_t kBorders = 4;
   struct Point {
-    V field, lead, side;
+    V field;
+    std::array<V, kBorders> border;
   };
   [[nodiscard]] Point at(std::size_t k, V u, V v) const {
     const V tie = number_of(kTie) * V(tile_of(number[0]).radius);
-    Point point{field(k, u, v), number_of(0), number_of(1e30)};
-    V own = point.field, before = number_of(kNowhere), behind = number_of(kNowhere);
+    Point point{field(k, u, v), {}};
+    point.border.fill(number_of(1e30));
+    V own = point.field, others[kBorders];
+    std::fill(others, others + kBorders, number_of(kNowhere));
+    std::size_t body = body_of(number[0]), bodies_before = 0;
     for (std::size_t other = 0; other < count; ++other) {
       if (other == k) continue;
       const V its = field(other, u, v);
       if (body_of(number[other]) == body_of(number[k])) {
         own = max(own, its);
-        point.side = min(point.side, side_over(k, other, point.field, its, u, v));
+        point.border[0] = min(point.border[0], side_over(k, other, point.field, its, u, v));
       } else {
-        V& others = other < k ? before : behind;
-        others = max(others, its);
+        if (body_of(number[other]) != body) ++bodies_before;
+        body = body_of(number[other]);
+        V& of_body = others[1 + bodies_before % (kBorders - 1)];
+        of_body =
+            max(of_body, other < k ? its + tie : its - tie);  // what they have in common is the first one's
       }
     }
-    point.lead = min((own - before) - tie, (own - behind) + tie);
+    for (std::size_t i = 1; i < kBorders; ++i) point.border[i] = own - others[i];
     return point;
   }
 
@@ -240,9 +241,10 @@ std::uint32_t parts_lattice(const PatchList& list, const Bodies& bodies, std::ui
           [&](float u, float v, bool upright, const Point& a, const Point& b, const Point& c,
               const Point& centre) LUMBRICAL_INLINE {
             const PartCell<V> own(a.field, b.field, c.field, centre.field);
-            const Part<V> part = own.part_where(cut_of(a.lead, b.lead, c.lead, centre.lead)) *
-                                 own.part_where(cut_of(a.side, b.side, c.side, centre.side));
-            cells.add(V(u), V(v), upright, part * own.whole);
+            std::array<AtCorners<V>, SharingParts<V>::kBorders> border;
+            for (std::size_t i = 0; i < border.size(); ++i)
+              border[i] = in_cell(a.border[i], b.border[i], c.border[i], centre.border[i]);
+            cells.add(V(u), V(v), upright, cell_within(own, border));
           });
       const auto [force, moment] = share_of(sharing.patch[k], cells.means(steps));
       add_wrench(force, moment, lane, sums.of[sharing.number[k]]);

@@ -219,6 +219,95 @@ LUMBRICAL_INLINE inline CutCorner<V> cut_of(V a, V b, V c, V centre) {
   return CutCorner<V>(a - drop, b - drop, c - drop);
 }
 
+/// A linear function at a triangle's corners.
+template <class V>
+struct AtCorners {
+  V a, b, c;
+  AtCorners operator-() const { return {number<V>(0) - a, number<V>(0) - b, number<V>(0) - c}; }
+};
+/// A function in a cell, from its values at the corners and the centroid.
+template <class V>
+LUMBRICAL_INLINE inline AtCorners<V> in_cell(V a, V b, V c, V centre) {
+  const V drop = drop_of(mean_of(a, b, c), centre);
+  return {a - drop, b - drop, c - drop};
+}
+
+/// A triangle in a cell: its share of the area, the field, how much of b and c is in its corners, and N
+/// borders, each a function that is positive on one side.
+template <class V, std::size_t N>
+struct Piece {
+  V area;
+  AtCorners<V> field, of_b, of_c;
+  std::array<AtCorners<V>, N> border;
+
+  [[nodiscard]] Piece cut_off(const CutCorner<V>& cut) const {
+    const auto at = [&](const AtCorners<V>& f) {
+      const AlongCut<V> along = cut.of(f.a, f.b, f.c);
+      return AtCorners<V>{along.own, along.own + along.more_s, along.own + along.more_t};
+    };
+    Piece piece{area * (cut.s * cut.t), at(field), at(of_b), at(of_c), border};
+    for (AtCorners<V>& its : piece.border) its = at(its);
+    return piece;
+  }
+};
+/// What of a piece is on the positive side of its first kBorders borders: what the field is above a floor
+/// there, by the cell's area.
+template <std::size_t kBorders, class V, std::size_t N>
+inline Part<V> part_within(const Piece<V, N>& piece, V floor) {
+  if constexpr (kBorders == 0) {
+    const AtCorners<V>&f = piece.field, &b = piece.of_b, &c = piece.of_c;
+    const V twelve_areas = number<V>(12) * piece.area, third = number<V>(1.0 / 3);
+    return {piece.area * part_above(floor, f.a, f.b, f.c, mean_of(f.a, f.b, f.c)).mean,
+            twelve_areas * (mean_of(b.a, b.b, b.c) - third), twelve_areas * (mean_of(c.a, c.b, c.c) - third)};
+  } else {
+    const AtCorners<V>& border = piece.border[kBorders - 1];
+    const CutCorner<V> cut(border.a, border.b, border.c);
+    const Part<V> all = part_within<kBorders - 1>(piece, floor);
+    const V zero = number<V>(0);
+    const auto is_positive = cut.own > zero;
+    Part<V> off{zero, zero, zero};
+    if (any(cut.is_cut)) off = part_within<kBorders - 1>(piece.cut_off(cut), floor);
+    const auto its = [&](V of_all, V of_off) {
+      return select(is_positive, select(cut.is_cut, of_off, of_all),
+                    select(cut.is_cut, of_all - of_off, zero));
+    };
+    return {its(all.share, off.share), its(all.to_b, off.to_b), its(all.to_c, off.to_c)};
+  }
+}
+/// What of a cell is on the positive side of several borders. Where more than one cuts it, their shares would
+/// not tell what the sides have in common: borders may run side by side.
+template <class V, std::size_t N>
+LUMBRICAL_INLINE inline Cell<V> cell_within(const PartCell<V>& cell,
+                                            const std::array<AtCorners<V>, N>& border) {
+  const V zero = number<V>(0), one = number<V>(1);
+  AtCorners<V> own = border[0];
+  auto is_any = cell.whole.mean > zero, is_cut = one < zero, is_crossed = is_cut;
+  for (const AtCorners<V>& f : border) {
+    const V low = min(f.a, min(f.b, f.c)), high = max(f.a, max(f.b, f.c));
+    const auto is_its = low <= zero;
+    own = {select(is_its, f.a, own.a), select(is_its, f.b, own.b), select(is_its, f.c, own.c)};
+    is_any = is_any && high > zero;
+    is_crossed = is_crossed || (is_cut && is_its);
+    is_cut = is_cut || is_its;
+  }
+  if (!any(is_any)) return zero * cell.whole;
+  if (!any(is_any && is_cut)) return select(is_any, one, zero) * cell.whole;
+  const Cell<V> part = cell.where(CutCorner<V>(own.a, own.b, own.c));
+  Part<V> crossed{zero, zero, zero};
+  is_crossed = is_any && is_crossed;
+  if (any(is_crossed)) {
+    const Piece<V, N> piece{one, {cell.a, cell.b, cell.c}, {zero, one, zero}, {zero, zero, one}, border};
+    crossed = part_within<N>(piece, cell.floor);
+    const V share = divide(crossed.share, max(cell.whole.mean, number<V>(1e-30)));
+    crossed.share = max(min(share, one), zero);
+  }
+  const Cell<V> its = crossed * cell.whole;
+  const auto pick = [&](V of_one, V of_several) {
+    return select(is_crossed, of_several, select(is_any, of_one, zero));
+  };
+  return {pick(part.mean, its.mean), pick(part.to_b, its.to_b), pick(part.to_c, its.to_c)};
+}
+
 /// Sums over the cells of a lattice.
 template <class V>
 struct CellSums {

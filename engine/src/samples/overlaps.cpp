@@ -111,7 +111,9 @@ void see_sharers(const Patches& patches, FoundByBody found, Rivals& rivals, Over
     shared.of_body[body] = lanes_of(shared.of_body[body] | lanes);
     shared.parts |= parts;
     if (sharers_of(kind_of(entry)) > 1) shared.at_joint = lanes_of(shared.at_joint | lanes);
-    if (class_of(entry) >= kPatchSizes) shared.near_skeleton = lanes_of(shared.near_skeleton | lanes);
+    // Alone, what goes through the palm's polygon is exact. A lattice meets the kink there.
+    if (class_of(entry) >= kPatchSizes || kind_of(entry) == kind::kPalmThrough)
+      shared.near_skeleton = lanes_of(shared.near_skeleton | lanes);
   });
 }
 
