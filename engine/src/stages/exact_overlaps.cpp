@@ -86,12 +86,12 @@ struct Touched {
   }
 };
 
-/// [m] Of a needle longer than that, or 0.
-double rod_width(const Corners& corner, double least_length) {
+/// [m] Of a needle thinner and longer than that, or 0.
+double rod_width(const Corners& corner, double most, double least_length) {
   const auto& [a, b, c] = corner;
   const double length = max(norm(b - a), max(norm(c - b), norm(a - c)));
   const double width = norm(cross(b - a, c - a)) / length;
-  return length > max(kNeedle * width, least_length) ? width : 0;
+  return width < most && length > max(kNeedle * width, least_length) ? width : 0;
 }
 
 /// What a point is told by: the segment's field, and by how much other bodies are deeper than its own.
@@ -108,7 +108,8 @@ class Overlap {
     radius_ = segment == kPalmSegment ? hand.palm.radius
                                       : max(hand.capsule[segment].radius1, hand.capsule[segment].radius2);
     tolerance_ = max(kUntil.change, 0.1 * precision) * radius_ * radius_ * radius_;
-    if (const double width = rod_width(touched.corner, kRod * radius_); width > 0) take_for_rod(width);
+    if (const double width = rod_width(touched.corner, radius_, kRod * radius_); width > 0)
+      take_for_rod(width);
     if (segment == kPalmSegment) return;
     const auto add = [&](std::size_t inner, bool is_first) {
       if (hand.present[inner] && hand.present[inner + 1])
@@ -133,7 +134,7 @@ class Overlap {
 
  private:
   void take_for_rod(double width) {
-    const double share = std::clamp(width / radius_, kThinnest, 1.0);
+    const double share = max(width / radius_, kThinnest);
     tolerance_ *= share * share * (kUntilOfRod.change / kUntil.change);
     until_ = kUntilOfRod;
   }
