@@ -550,17 +550,33 @@ TEST_F(DeviceLoopTest, BooksTheEnergyThatEachCommandGaveWhileTicksStoodStill) {
   ASSERT_TRUE(steps_until([&] { return told() > 0; }));
   const EnergyAccount& account = loop.control.account[1];
   const double before = account.energy, step_back = profile.dynamics[3].encoder_step;
-  double given = 0;
+  double given = 0, acted = 0;
   while (device.value[3] != 0) {
     const double acts = device.value[3];
-    device.off[5] -= static_cast<float>(step_back);  // so little that damping is not counted on
+    if (std::exchange(acted, acts) != acts) {
+      device.off[5] -= static_cast<float>(step_back);  // so little that damping is not counted on
+      given += acts * step_back;
+    }
     for (const int exchanges = device.exchanges; device.exchanges == exchanges;) loop.sink.cycle();
-    given += acts * step_back;
   }
   ASSERT_GT(given, 0);
   loop.sink.cycle();
   step();
   EXPECT_NEAR(before - account.energy, given, 1e-3 * given);
+}
+
+// A device that is asked several times a tick: from one answer to the next a joint may move by less than its
+// encoder tells.
+TEST_F(DeviceLoopTest, TellsSpeedOverAllSamplesBetweenTwoTicks) {
+  open();
+  ASSERT_TRUE(steps_until([&] { return told() > 0; }));
+  const std::int64_t before = loop.control.feedback.time;
+  constexpr double kWay = 1e-3;
+  device.off[5] += static_cast<float>(kWay);
+  for (const int exchanges = device.exchanges; device.exchanges < exchanges + 4;) loop.sink.cycle();
+  step();
+  const double between = 1e-9 * static_cast<double>(loop.control.feedback.time - before);
+  EXPECT_NEAR(loop.control.speed[3], kWay / between, 0.05 * kWay / between);
 }
 
 // More exchanges than the sink keeps for them: what is lost of these is no force's, which have faded.

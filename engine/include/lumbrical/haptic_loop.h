@@ -38,10 +38,12 @@ struct HapticLoop {
   // What the device said.
   DeviceFeedback feedback;
   bool any_feedback = false;
-  bool fresh = false;  ///< `feedback` came after the last command, and is not booked
-  std::array<double, 3 * kFingerCount> moved{};  ///< [rad] closing, between the two newest samples
-  double between = 0;                            ///< [s] the two newest samples; 0: the device had let go
-  JointArray speed{};                            ///< [rad/s]
+  bool fresh = false;            ///< `feedback` came after the last command, and is not booked
+  DeviceFeedback answered_from;  ///< the newest when the last command was made
+  DeviceFeedback booked;         ///< up to which energy is booked
+  std::array<double, 3 * kFingerCount> moved{};  ///< [rad] closing, from `booked` to `feedback`
+  double between = 0;                            ///< [s] those two; 0: the device had let go meanwhile
+  JointArray speed{};                            ///< [rad/s] from `answered_from` to `feedback`
 
   // The bus.
   TimingMeter meter;
@@ -85,7 +87,7 @@ struct HapticLoop {
 HapticLoop start_loop(const DeviceProfile& profile, const LoopOptions& options);
 
 /// What the device said; call it with every feedback, once and in their order, before the tick that uses the
-/// newest. The energy of those before that is booked here.
+/// newest. Where other torques acted than before, the energy of the way before that is booked here.
 void take_feedback(const DeviceFeedback& feedback, HapticLoop& loop);
 
 /// Puts the device's angles into the place of the motion's fingers; the wrist stays the motion's. Flags

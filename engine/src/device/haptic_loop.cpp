@@ -233,6 +233,25 @@ void keep_least_levels(const ActuatorFrame& output, std::int64_t now, HapticLoop
   }
 }
 
+/// From one sample to the newest.
+struct Way {
+  std::array<double, kPhalanxCount> moved{};  // [rad] closing
+  double between = 0;                         // [s]; 0: the device had let go meanwhile, nobody knows when
+};
+Way way_from(const DeviceFeedback& first, const HapticLoop& loop) {
+  Way way;
+  const DeviceFeedback& last = loop.feedback;
+  if (!loop.any_feedback || last.held_since > first.time) return way;  // and it took no energy
+  // Between the two moments of reading lies one of these; where they differ, the longer one counts.
+  way.between = in_seconds(std::max(last.asked - first.asked, last.time - first.time));
+  for (std::size_t j = 0; j < kPhalanxCount; ++j) {
+    const std::size_t a = flexion_angle(j);
+    const bool believed = (last.valid & first.valid) >> a & 1u;
+    way.moved[j] = believed ? static_cast<double>(last.angle[a] - first.angle[a]) : 0;
+  }
+  return way;
+}
+
 void keep_newest(const SentCommand& sent, LoopStep& step) {
   if (step.sent_count == kMaxSentPerTick) {
     std::copy(step.sent.begin() + 1, step.sent.end(), step.sent.begin());
@@ -264,22 +283,17 @@ HapticLoop start_loop(const DeviceProfile& profile, const LoopOptions& options) 
 
 void take_feedback(const DeviceFeedback& feedback, HapticLoop& loop) {
   // While ticks stood still the sink went on, and what acts now is not what acted then.
-  if (loop.fresh && books_energy(loop)) book_energy(loop.wanted, loop);
-  // Between the two moments of reading lies one of these; where they differ, the longer one counts.
-  const double between =
-      in_seconds(std::max(feedback.asked - loop.feedback.asked, feedback.time - loop.feedback.time));
-  // A device that has let go did so nobody knows when: the way meanwhile took no energy.
-  const bool goes_on = loop.any_feedback && feedback.held_since <= loop.feedback.time;
-  loop.between = goes_on ? between : 0;
-  if (!goes_on) loop.arm = {};
-  for (std::size_t j = 0; j < kPhalanxCount; ++j) {
-    const std::size_t a = flexion_angle(j);
-    const auto moved = static_cast<double>(feedback.angle[a] - loop.feedback.angle[a]);
-    const bool believed = (feedback.valid & loop.feedback.valid) >> a & 1u;
-    loop.moved[j] = goes_on && believed ? moved : 0;
-    loop.speed[j] = loop.between > 0 ? loop.moved[j] / loop.between : 0;
-  }
+  const bool acts_otherwise = loop.fresh && feedback.acted != loop.feedback.acted;
+  if (acts_otherwise && books_energy(loop)) book_energy(loop.wanted, loop);
+  if (!loop.fresh) loop.answered_from = loop.feedback;
+  if (acts_otherwise || !loop.fresh) loop.booked = loop.feedback;
   loop.feedback = feedback;
+  const Way way = way_from(loop.booked, loop), since_command = way_from(loop.answered_from, loop);
+  if (way.between == 0) loop.arm = {};
+  loop.moved = way.moved;
+  loop.between = way.between;
+  for (std::size_t j = 0; j < kPhalanxCount; ++j)
+    loop.speed[j] = since_command.between > 0 ? since_command.moved[j] / since_command.between : 0;
   loop.any_feedback = loop.fresh = true;
 }
 

@@ -39,9 +39,10 @@ std::string hold_remedy(const Model& model) {
   return "; raise safety.tick_hold to " + text_of(kTicksHeld / model.settings.rate) + " s, or tick faster";
 }
 
-std::string answer_remedy(double rate) {
+std::string answer_remedy(double rate, const DeviceProfile& profile) {
   return "; raise safety.answer_timeout to " + text_of(kCyclesAnswered / rate) +
-         " s, where the device's own watchdog is no shorter, or the rate";
+         " s, where the device's own watchdog is no shorter, or " +
+         (rate < profile.rate ? "tick faster" : "the profile's rate");
 }
 
 // No delay will ever be measured, so that the limiter lets nothing through.
@@ -74,7 +75,7 @@ Status DeviceLoop::open(const Model& model, const DeviceProfile& profile, std::u
   if (const double rate = cycle_rate(model, profile, settings);
       rate * profile.safety.answer_timeout < kCyclesAnswered)
     sink.tell("the device counts as lost after less than three cycles: forces end whenever one is late" +
-              answer_remedy(rate));
+              answer_remedy(rate, profile));
   settings_ = wanted;
   control = start_loop(profile, settings.control);
   figures = {};

@@ -282,16 +282,16 @@ void DeviceSink::Worker::hand_over(const DeviceFeedback& feedback) {
 }
 
 // Every one, so that all energy is booked. When ticks have stood still for longer than the ring has room for,
-// forces have long faded: then the newest is enough.
+// forces have long faded: then the newest is enough, and what the ring has from before it too old.
 bool DeviceSink::Worker::next_feedback(DeviceFeedback& feedback) {
   DeviceFeedback next;
-  if (const DeviceFeedback* const front = feedbacks.front(); front != nullptr) {
+  const auto is_newer = [&] { return next.time > taken_feedback; };
+  while (const DeviceFeedback* const front = feedbacks.front()) {
     next = *front;
     feedbacks.pop();
-  } else if (!newest_feedback.take(next)) {
-    return false;
+    if (is_newer()) break;
   }
-  if (next.time <= taken_feedback) return false;  // the ring had room again before it was asked for
+  if (!is_newer() && !(newest_feedback.take(next) && is_newer())) return false;
   taken_feedback = next.time;
   feedback = next;
   return true;

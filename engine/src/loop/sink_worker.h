@@ -26,10 +26,11 @@ struct PublishedCommand {
   std::int64_t time = 0;
 };
 
-/// Samples that wait for ticks that stand still: twice as many as come until all forces have faded.
+/// Samples that wait for ticks that stand still: twice as many as come until all forces have faded, within
+/// reason.
 inline std::uint32_t feedback_room(const DeviceProfile& profile) {
   const double time = profile.safety.tick_hold + profile.safety.fade;
-  return static_cast<std::uint32_t>(std::max(256.0, std::ceil(2 * profile.rate * time)));
+  return static_cast<std::uint32_t>(std::clamp(std::ceil(2 * profile.rate * time), 256.0, 4096.0));
 }
 
 enum SinkRequest : unsigned { kArm = 1, kDisarm = 2, kReset = 4, kArmWhenReady = 8 };
