@@ -315,7 +315,7 @@ Status check_state(const Model& model, const State& state) {
     return Status::error("the state is of a model with a proxy, and this one has none");
   if (!(state.rise + state.fall <= 1 + 1e-9))
     return Status::error("the state's shares of forces are more than all of them; no tick leaves such a one");
-  if (state.fall == 0 && (pushes(state.held) || (state.rise == 0 && pushes(state.last))))
+  if (!(state.fall > 0) && (pushes(state.held) || (!(state.rise > 0) && pushes(state.last))))
     return Status::error(
         "the state has forces and no share of them, so they would be gone at once; take one that a tick has "
         "left");
