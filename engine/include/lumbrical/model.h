@@ -102,8 +102,8 @@ struct Settings {
   double rate = 1000;                    ///< [Hz] ticks per second of session time, 1 .. 100000
   double point_area = 1e-4;              ///< [m^2] in the area's place in Law::point, 1e-12 .. 1
   /// Per hand segment, under the field law: 0 exact; else the error wanted as a share of the hand's force,
-  /// 1e-6 .. 0.1, which samples keep in 98 of 100 ticks, below 1e-4 nearly (docs/mechanics.md). A finger of
-  /// which any segment is exact, or follows another law, is exact. What it comes to: ActuatorFrame.
+  /// 1e-6 .. 0.1, which samples keep in 98 of 100 ticks; 1e-5 to two times it, 1e-6 to six (mechanics.md). A
+  /// finger of which any segment is exact or follows another law is exact. What it comes to: ActuatorFrame.
   std::array<double, kSegmentCount> precision = every_segment(1e-4);
   /// [N] 0 .. 1e6: no segment's force exceeds it. Above four fifths of it forces saturate, each segment's by
   /// itself.
