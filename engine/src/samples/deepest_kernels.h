@@ -24,8 +24,7 @@ LUMBRICAL_INLINE inline std::array<Cell<V>, N> cells_where_leading(const std::ar
     return in_cell(at(a), at(b), at(c), at(centre));
   };
   if constexpr (N == 2) {  // one leads where the other does not
-    const AtCorners<V> ahead = lead(0, 1);
-    const CutCorner<V> cut(ahead.a, ahead.b, ahead.c);
+    const CutCorner<V> cut(lead(0, 1));
     const PartCell<V> first = own_cell(0), second = own_cell(1);
     return {first.where(cut), second.elsewhere(cut)};
   } else {

@@ -70,6 +70,13 @@ inline Part<V> operator+(const Part<V>& p, const Part<V>& q) {
   return {p.share + q.share, p.to_b + q.to_b, p.to_c + q.to_c};
 }
 
+/// A linear function at a triangle's corners.
+template <class V>
+struct AtCorners {
+  V a, b, c;
+  AtCorners operator-() const { return {number<V>(0) - a, number<V>(0) - b, number<V>(0) - c}; }
+};
+
 /// Where a linear function's zero cuts off the corner whose sign is its own: how far along that corner's
 /// sides.
 template <class V>
@@ -87,6 +94,7 @@ struct CutCorner {
     const V scale = divide(own, max(to_next * to_last, number<V>(1e-36)));
     s = scale * to_last, t = scale * to_next;
   }
+  LUMBRICAL_INLINE explicit CutCorner(const AtCorners<V>& f) : CutCorner(f.a, f.b, f.c) {}
   [[nodiscard]] LUMBRICAL_INLINE AlongCut<V> of(V a, V b, V c) const {
     const V f = select(second, b, select(third, c, a));
     const V next = select(second, c, select(third, a, b)), last = select(second, a, select(third, b, c));
@@ -195,24 +203,16 @@ struct PartCell {
   }
 };
 
-/// Where a function becomes positive in a cell, from its values at the corners and the centroid.
-template <class V>
-LUMBRICAL_INLINE inline CutCorner<V> cut_of(V a, V b, V c, V centre) {
-  const V drop = drop_of(mean_of(a, b, c), centre);
-  return CutCorner<V>(a - drop, b - drop, c - drop);
-}
-
-/// A linear function at a triangle's corners.
-template <class V>
-struct AtCorners {
-  V a, b, c;
-  AtCorners operator-() const { return {number<V>(0) - a, number<V>(0) - b, number<V>(0) - c}; }
-};
 /// A function in a cell, from its values at the corners and the centroid.
 template <class V>
 LUMBRICAL_INLINE inline AtCorners<V> in_cell(V a, V b, V c, V centre) {
   const V drop = drop_of(mean_of(a, b, c), centre);
   return {a - drop, b - drop, c - drop};
+}
+/// Where a function becomes positive in a cell, from its values at the corners and the centroid.
+template <class V>
+LUMBRICAL_INLINE inline CutCorner<V> cut_of(V a, V b, V c, V centre) {
+  return CutCorner<V>(in_cell(a, b, c, centre));
 }
 
 /// A triangle in a cell: its share of the area, the field, how much of b and c is in its corners, and N
@@ -243,8 +243,7 @@ inline Part<V> part_within(const Piece<V, N>& piece, V floor) {
     return {piece.area * part_above(floor, f.a, f.b, f.c, mean_of(f.a, f.b, f.c)).mean,
             twelve_areas * (mean_of(b.a, b.b, b.c) - third), twelve_areas * (mean_of(c.a, c.b, c.c) - third)};
   } else {
-    const AtCorners<V>& border = piece.border[kBorders - 1];
-    const CutCorner<V> cut(border.a, border.b, border.c);
+    const CutCorner<V> cut(piece.border[kBorders - 1]);
     const Part<V> all = part_within<kBorders - 1>(piece, floor);
     const V zero = number<V>(0);
     const auto is_positive = cut.own > zero;
@@ -275,7 +274,7 @@ LUMBRICAL_INLINE inline Cell<V> cell_within(const PartCell<V>& cell,
   }
   if (!any(is_any)) return zero * cell.whole;
   if (!any(is_any && is_cut)) return select(is_any, one, zero) * cell.whole;
-  const Cell<V> part = cell.where(CutCorner<V>(own.a, own.b, own.c));
+  const Cell<V> part = cell.where(CutCorner<V>(own));
   Part<V> crossed{zero, zero, zero};
   is_crossed = is_any && is_crossed;
   if (any(is_crossed)) {
