@@ -6,16 +6,13 @@
 #include <cmath>
 #include <span>
 #include <string>
-#include <tuple>
 
-#include "base/gauss.h"
-#include "exact/finger_reference.h"
 #include "largest.h"
 #include "lumbrical/jacobian.h"
-#include "model/corners.h"
 #include "model/primitive.h"
 #include "pressed_hand.h"
 #include "sampled_hand.h"
+#include "samples/felt_once_reference.h"
 #include "samples/sampled_forces.h"
 
 namespace lumbrical::test {
