@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "device_fixture.h"
+#include "frame_joints.h"
 #include "pressed_hand.h"
 #include "session.h"
 
@@ -30,10 +31,7 @@ TEST(StiffnessBound, GivesThePublishedNumbers) {
 
 HandStiffness stiffness_of(const Model& model, Scratch& scratch, const DeviceFrame& frame,
                            const ActuatorFrame& output) {
-  std::array<double, kAngleCount> angles;
-  std::copy(frame.angle.begin(), frame.angle.end(), angles.begin());
-  std::array<Pose, kJointCount> X_WJ;
-  forward_kinematics(model.hand, frame.base, angles, X_WJ);
+  const std::array<Pose, kJointCount> X_WJ = test::posed_joints(model.hand, frame);
   std::array<SegmentJacobian, kSegmentCount> jacobians;
   segment_jacobians(model, scratch, jacobians);
   return joint_stiffness(X_WJ, output, jacobians);
@@ -355,10 +353,7 @@ TEST(EnergyAccount, TheArmsWorkPaysForWhatTheJointsGet) {
         normalized(Quat{1, 0.01 * std::sin(phase), 0, 0.01 * (1 - std::cos(phase))} * start.base.orientation);
     for (std::size_t k = 5; k < 8; ++k) frame.angle[k] += static_cast<float>(0.03 * (1 - std::cos(phase)));
     output = tick(model, state, scratch, frame);
-    std::array<double, kAngleCount> angles;
-    std::copy(frame.angle.begin(), frame.angle.end(), angles.begin());
-    std::array<Pose, kJointCount> X_WJ;
-    forward_kinematics(model.hand, frame.base, angles, X_WJ);
+    const std::array<Pose, kJointCount> X_WJ = test::posed_joints(model.hand, frame);
     HandForces mean = output;
     for (std::size_t s = 0; s < kSegmentCount; ++s) {
       mean.segment[s].force = 0.5 * (output.segment[s].force + last.segment[s].force);

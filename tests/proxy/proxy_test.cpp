@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "frame_joints.h"
 #include "largest.h"
 #include "model/primitive.h"
 #include "pads.h"
@@ -20,6 +21,7 @@ using test::fingertip_at;
 using test::kPadRadius;
 using test::kProxyStiffness;
 using test::largest;
+using test::posed_joints;
 using test::proxy_at;
 using test::proxy_scene;
 using test::Session;
@@ -344,10 +346,7 @@ TEST(Proxy, HoldsAHandThatIsPressedOntoAWallForAsLongAsItStays) {
   for (std::size_t s = 0; s < kSegmentCount; ++s)
     EXPECT_NEAR(norm(run.output.segment[s].force - first.segment[s].force), 0, 1e-5)
         << segment_name(static_cast<int>(s));
-  std::array<Pose, kJointCount> hand;
-  std::array<double, kAngleCount> angles{};
-  std::copy(frame.angle.begin(), frame.angle.end(), angles.begin());
-  forward_kinematics(run.model.hand, frame.base, angles, hand);
+  const std::array<Pose, kJointCount> hand = posed_joints(run.model.hand, frame);
   for (const auto& [base, tip] : kPhalanxJoints) {
     EXPECT_NEAR(norm(proxy_at(run, tip) - proxy_at(run, base)),
                 norm(hand[tip].position - hand[base].position), 1e-12)

@@ -201,10 +201,7 @@ DeviceFrame fist_round_x_axis(const Hand& hand, Random& random) {
   for (std::size_t i = 0; i < kAngleCount; ++i)
     fist.angle[i] = i % 4 == 0 ? 0.0f : static_cast<float>(random.between(0.6, 1.5));
   fist.base.orientation = random.rotation();
-  std::array<double, kAngleCount> angles;
-  std::copy(fist.angle.begin(), fist.angle.end(), angles.begin());
-  std::array<Pose, kJointCount> pose;
-  forward_kinematics(hand, fist.base, angles, pose);
+  const std::array<Pose, kJointCount> pose = posed_joints(hand, fist);
   fist.base.position = Vec3{0, 0.005, 0} - pose[kIndexProximal + 5 * random.below(4) + 1].position;
   return fist;
 }

@@ -4,6 +4,7 @@
 
 #include <numbers>
 
+#include "frame_joints.h"
 #include "largest.h"
 #include "pressed_hand.h"
 #include "sampled_hand.h"
@@ -15,11 +16,7 @@ constexpr double kPrecisions[] = {1e-3, 1e-4, 1e-5};
 constexpr double kStiffness = 2e7;  // [N/m^3] of Settings
 
 Vec3 joint_of(const Hand& hand, const DeviceFrame& frame, std::size_t joint) {
-  std::array<double, kAngleCount> angles;
-  std::copy(frame.angle.begin(), frame.angle.end(), angles.begin());
-  std::array<Pose, kJointCount> pose;
-  forward_kinematics(hand, frame.base, angles, pose);
-  return pose[joint].position;
+  return posed_joints(hand, frame)[joint].position;
 }
 
 // |F after - F before| <= K_s A d, A the area touched: phi changes by no more than d. Rounding gets a share

@@ -97,11 +97,7 @@ Trial on_tiny_triangles() {
   Random random(41);
   for (int i = 0; i < kPoses; ++i) {
     DeviceFrame frame = dropped_hand(trial.scene.hand, random, 0.2, 0.6, 0.1, 0, 0);
-    std::array<double, kAngleCount> angles;
-    std::copy(frame.angle.begin(), frame.angle.end(), angles.begin());
-    std::array<Pose, kJointCount> pose;
-    forward_kinematics(trial.scene.hand, frame.base, angles, pose);
-    const Vec3 tip = pose[kIndexTip].position;
+    const Vec3 tip = posed_joints(trial.scene.hand, frame)[kIndexTip].position;
     frame.base.position += Vec3{random.between(-0.008, 0.008) - tip.x, random.between(-0.008, 0.008) - tip.y,
                                 trial.scene.hand.radius[kIndexTip] - random.between(0.001, 0.003) - tip.z};
     trial.frames.push_back(frame);

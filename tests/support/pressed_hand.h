@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "frame_joints.h"
 #include "lumbrical/motion.h"
 #include "lumbrical/shapes.h"
 #include "lumbrical/tick.h"
@@ -24,11 +25,7 @@ inline Scene pressed_scene(double extent, std::uint32_t cells) {
 }
 
 inline double skin_height(const Hand& hand, const DeviceFrame& frame, std::size_t joint) {
-  std::array<double, kAngleCount> angles;
-  std::copy(frame.angle.begin(), frame.angle.end(), angles.begin());
-  std::array<Pose, kJointCount> pose;
-  forward_kinematics(hand, frame.base, angles, pose);
-  return pose[joint].position.z - hand.radius[joint];
+  return posed_joints(hand, frame)[joint].position.z - hand.radius[joint];
 }
 
 /// Palm down, the middle knuckle's skin `depth` [m] below z = 0 and the fingers bent so that the skin of

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <vector>
 
+#include "frame_joints.h"
 #include "random.h"
 #include "session.h"
 
@@ -97,10 +98,7 @@ inline DeviceFrame dropped_hand(const Hand& hand, Random& random, double low, do
                turn = random.between(-3.1, 3.1);
   frame.base.orientation =
       normalized(turned({0, 0, 1}, turn) * turned({1, 0, 0}, lean) * turned({0, 1, 0}, roll) * down);
-  std::array<double, kAngleCount> angles;
-  std::copy(frame.angle.begin(), frame.angle.end(), angles.begin());
-  std::array<Pose, kJointCount> pose;
-  forward_kinematics(hand, frame.base, angles, pose);
+  const std::array<Pose, kJointCount> pose = posed_joints(hand, frame);
   double lowest = 1;
   for (std::size_t j = kThumbMetacarpal; j < kJointCount; ++j)
     lowest = std::min(lowest, pose[j].position.z - hand.radius[j]);
@@ -129,10 +127,9 @@ void for_hands_on_planes(std::uint64_t seed, const Drop& drop, const Look& look)
 
 /// The same hand told by the poses of its joints.
 inline DeviceFrame as_joint_poses(const Hand& hand, const DeviceFrame& frame) {
-  std::array<double, kAngleCount> angles;
-  std::copy(frame.angle.begin(), frame.angle.end(), angles.begin());
-  std::array<Pose, kJointCount> poses;
-  forward_kinematics(hand, Pose{}, angles, poses);
+  DeviceFrame at_origin = frame;
+  at_origin.base = {};
+  const std::array<Pose, kJointCount> poses = posed_joints(hand, at_origin);
   DeviceFrame result;
   result.base = frame.base;
   const auto narrow = [](double x) { return static_cast<float>(x); };
