@@ -168,7 +168,7 @@ inline BodyForces by_bodies(const HandForces& forces, double stiffness) {
 struct Difference {
   double hand = 0, body = 0;
 };
-inline Difference difference(const BodyForces& one, const BodyForces& other) {
+inline Difference body_difference(const BodyForces& one, const BodyForces& other) {
   Vec3 sum;
   double size = 0;
   Difference difference;

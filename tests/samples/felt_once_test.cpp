@@ -63,8 +63,8 @@ TEST(FeltOnce, IsWhatTheDeepestBodyFeelsOnEveryRung) {
     State state;
     const ActuatorFrame felt = tick(exact, state, scratch, held.frame);
     const Reference reference = reference_of(exact, *scratch.primitives);
-    EXPECT_GT(difference(reference.by_all, reference.once).hand, held.shared) << held.name;
-    const Difference off = difference(by_bodies(felt, stiffness), reference.once);
+    EXPECT_GT(body_difference(reference.by_all, reference.once).hand, held.shared) << held.name;
+    const Difference off = body_difference(by_bodies(felt, stiffness), reference.once);
     EXPECT_LT(off.hand, 5e-5) << held.name;  // the reference's own error
     EXPECT_LT(off.body, 5e-5) << held.name;
     for (const double precision : {1e-3, 1e-4, 1e-5}) {
@@ -76,7 +76,7 @@ TEST(FeltOnce, IsWhatTheDeepestBodyFeelsOnEveryRung) {
         of_two += overlaps.together_of(2, k).size();
         of_any += overlaps.count_by_parts[k];
       }
-      const Difference error = difference(by_bodies(by_samples, stiffness), by_bodies(felt, stiffness));
+      const Difference error = body_difference(by_bodies(by_samples, stiffness), by_bodies(felt, stiffness));
       EXPECT_LT(error.hand, precision + 3e-5) << held.name << " at " << precision;
       EXPECT_LT(error.body, 3 * precision + 3e-5) << held.name << " at " << precision;
       EXPECT_LT(torque_difference(by_samples, felt), 6 * precision + 3e-5)
@@ -190,8 +190,8 @@ TEST(FeltOnce, IsTheSameOnNeedlesAsOnOtherTriangles) {
   };
   const Mesh coarse = make_plane(0.3, 2);
   const BodyForces expected = feel(coarse, FeltOnce::always);
-  EXPECT_GT(difference(feel(coarse, FeltOnce::never), expected).hand, 0.01);
-  EXPECT_LT(difference(feel(needles, FeltOnce::always), expected).body, 2e-6);
+  EXPECT_GT(body_difference(feel(coarse, FeltOnce::never), expected).hand, 0.01);
+  EXPECT_LT(body_difference(feel(needles, FeltOnce::always), expected).body, 2e-6);
 }
 
 // A fist anyhow round the x-axis, which goes through one of its fingers.
@@ -221,7 +221,7 @@ TEST(FeltOnce, ThinRodsOfLongTrianglesAreRightToAMillionthOfWhatIsLeftOfTheirSid
     if (norm(total_force(twice(fist)) - total_force(felt)) < 0.1 * force_size(felt)) continue;
     ++shared;
     const BodyForces expected = reference_by_rays(once.model(), *once.scratch().primitives);
-    const Difference off = difference(by_bodies(felt, scene.settings.stiffness), expected);
+    const Difference off = body_difference(by_bodies(felt, scene.settings.stiffness), expected);
     EXPECT_LT(off.hand, 2e-6) << i;
     EXPECT_LT(off.body, 2e-6) << i;
   }
@@ -243,7 +243,7 @@ TEST(FeltOnce, ContactRecordsAddUpToWhatIsFelt) {
       const auto contacts = find_contacts(model, scratch);
       const HandForces sum = sum_of(contacts, scratch, stiffness);
       const double most = precision > 0 ? precision + 1e-5 : 1e-13;
-      const Difference off = difference(by_bodies(sum, stiffness), by_bodies(felt, stiffness));
+      const Difference off = body_difference(by_bodies(sum, stiffness), by_bodies(felt, stiffness));
       EXPECT_LT(off.hand, most) << held.name << " at " << precision;
       EXPECT_LT(off.body, 3 * most) << held.name << " at " << precision;
       EXPECT_LT(torque_difference(sum, felt), 6 * most) << held.name << " at " << precision;
