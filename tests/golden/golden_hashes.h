@@ -36,6 +36,7 @@ inline constexpr GoldenHash kGolden[] = {
     {"never.1e-4", 0xf29f9612dbc5019a},
     {"once.exact", 0x52f669d56f798aa6},
     {"bent", 0x9a1eae41cdddb7df},
+    {"plump", 0xcf833ed578082b7b},
     {"objects", 0xbf1a29215da23cd2},
     {"proxy", 0x88e7a430604cc7fe},
     {"surface", 0x794a8bee8a294c5f},

@@ -155,14 +155,14 @@ GoldenSession hall() {
   return press("hall", scene, 0.004, 12);
 }
 
-/// The exact rung where tiles border on one another: the mug grasped, then fingers of uneven radii bent at
-/// random, some folded.
-GoldenSession bent() {
-  GoldenSession session = grasp("bent", Law::field, 60);
+/// Where tiles border on one another, on the rung of `precision`: the mug grasped, then fingers of uneven
+/// radii, `plump` times as thick, bent at random, some folded.
+GoldenSession bent(const std::string& name, double precision, double plump) {
+  GoldenSession session = grasp(name, Law::field, 60);
   Scene& scene = session.scene;
-  scene.settings.precision.fill(0);
+  scene.settings.precision.fill(precision);
   Random random(23);
-  for (double& radius : scene.hand.radius) radius *= random.between(0.8, 1.2);
+  for (double& radius : scene.hand.radius) radius *= plump * random.between(0.8, 1.2);
   scene.objects.push_back({"field", make_height_field(0.3, 60, 0.002, 0.04)});
   const DeviceFrame pressed = pressed_frame(scene.hand, 0.004, 0);
   for (int i = 0; i < 12; ++i) {
@@ -231,8 +231,6 @@ Primitive random_primitive(Random& random, std::uint64_t shape) {
   primitive.end2 = primitive.end1 + length * axis;
   return primitive;
 }
-
-}  // namespace
 
 /// Pads with both layers and damping: on the world, and on a box that gives way.
 GoldenSession pads() {
@@ -305,6 +303,8 @@ GoldenSession surface() {
   return session;
 }
 
+}  // namespace
+
 std::vector<GoldenSession> golden_sessions() {
   std::vector<GoldenSession> sessions;
   for (const Law law : {Law::field, Law::column, Law::max_depth, Law::centroid, Law::point})
@@ -325,7 +325,8 @@ std::vector<GoldenSession> golden_sessions() {
   sessions.push_back(sampled("samples.1e-5", 1e-5));
   sessions.push_back(held_together("never.1e-4", 1e-4, FeltOnce::never));
   sessions.push_back(held_together("once.exact", 0, FeltOnce::always));
-  sessions.push_back(bent());
+  sessions.push_back(bent("bent", 0, 1));
+  sessions.push_back(bent("plump", 1e-4, 1.6));
   sessions.push_back(objects());
   sessions.push_back(proxy());
   sessions.push_back(surface());

@@ -60,15 +60,6 @@ template <class V>
 struct Part {
   V share, to_b, to_c;
 };
-/// What two parts have in common, as far as shares tell.
-template <class V>
-inline Part<V> operator*(const Part<V>& p, const Part<V>& q) {
-  return {p.share * q.share, p.share * q.to_b + q.share * p.to_b, p.share * q.to_c + q.share * p.to_c};
-}
-template <class V>
-inline Part<V> operator+(const Part<V>& p, const Part<V>& q) {
-  return {p.share + q.share, p.to_b + q.to_b, p.to_c + q.to_c};
-}
 
 /// A linear function at a triangle's corners.
 template <class V>
@@ -167,6 +158,10 @@ inline Cell<V> cell_of(V a, V b, V c, V centre) {
 }
 
 template <class V>
+inline Cell<V> operator+(const Cell<V>& one, const Cell<V>& other) {
+  return {one.mean + other.mean, one.to_b + other.to_b, one.to_c + other.to_c};
+}
+template <class V>
 inline Cell<V> operator*(V share, const Cell<V>& cell) {
   return {share * cell.mean, share * cell.to_b, share * cell.to_c};
 }
@@ -189,17 +184,16 @@ struct PartCell {
   /// What is where a function is positive; and the rest. Registers without a border, which are most, come to
   /// the same bits with less to do.
   [[nodiscard]] LUMBRICAL_INLINE Cell<V> where(const CutCorner<V>& cut) const {
-    return any(cut.is_cut) ? part_where(cut) * whole : cut.is_positive() * whole;
+    return any(cut.is_cut) ? cut.positive_part(share_of(cut)) * whole : cut.is_positive() * whole;
   }
   [[nodiscard]] LUMBRICAL_INLINE Cell<V> elsewhere(const CutCorner<V>& cut) const {
-    return any(cut.is_cut) ? part_elsewhere(cut) * whole : (number<V>(1) - cut.is_positive()) * whole;
+    return any(cut.is_cut) ? cut.other_part(share_of(cut)) * whole
+                           : (number<V>(1) - cut.is_positive()) * whole;
   }
-  /// Those as parts of it.
-  [[nodiscard]] LUMBRICAL_INLINE Part<V> part_where(const CutCorner<V>& cut) const {
-    return cut.positive_part(share_cut_off(cut, a, b, c, floor, whole.mean));
-  }
-  [[nodiscard]] LUMBRICAL_INLINE Part<V> part_elsewhere(const CutCorner<V>& cut) const {
-    return cut.other_part(share_cut_off(cut, a, b, c, floor, whole.mean));
+
+ private:
+  [[nodiscard]] LUMBRICAL_INLINE V share_of(const CutCorner<V>& cut) const {
+    return share_cut_off(cut, a, b, c, floor, whole.mean);
   }
 };
 
@@ -208,11 +202,6 @@ template <class V>
 LUMBRICAL_INLINE inline AtCorners<V> in_cell(V a, V b, V c, V centre) {
   const V drop = drop_of(mean_of(a, b, c), centre);
   return {a - drop, b - drop, c - drop};
-}
-/// Where a function becomes positive in a cell, from its values at the corners and the centroid.
-template <class V>
-LUMBRICAL_INLINE inline CutCorner<V> cut_of(V a, V b, V c, V centre) {
-  return CutCorner<V>(in_cell(a, b, c, centre));
 }
 
 /// A triangle in a cell: its share of the area, the field, how much of b and c is in its corners, and N

@@ -101,21 +101,21 @@ LUMBRICAL_INLINE inline std::array<Cell<V>, N> shared_cells(const SharedPoint<V,
     return PartCell<V>(a.field[k], b.field[k], c.field[k], centre.field[k]);
   };
   const auto border = [&](std::size_t k) LUMBRICAL_INLINE {
-    return cut_of(a.lead[k], b.lead[k], c.lead[k], centre.lead[k]);
+    return in_cell(a.lead[k], b.lead[k], c.lead[k], centre.lead[k]);
   };
-  const PartCell<V> first = own_cell(0), second = own_cell(1);
-  const CutCorner<V> inner = border(0);
+  const AtCorners<V> inner = border(0);
+  const PartCell<V> second = own_cell(1);
   if constexpr (N == 2) {
-    return {first.elsewhere(inner), second.where(inner)};
+    const CutCorner<V> cut(inner);
+    return {own_cell(0).elsewhere(cut), second.where(cut)};
   } else {
-    const PartCell<V> last = own_cell(2);
     const auto ahead = [tie](const SharedPoint<V, N>& at)
                            LUMBRICAL_INLINE { return at.field[2] - at.field[0] - tie; };
-    const CutCorner<V> outer = border(1), ends = cut_of(ahead(a), ahead(b), ahead(c), ahead(centre));
-    const Part<V> of_first = second.part_elsewhere(ends), of_last = second.part_where(ends);
-    return {(first.part_elsewhere(inner) * first.part_elsewhere(ends)) * first.whole,
-            (of_first * second.part_where(inner) + of_last * second.part_elsewhere(outer)) * second.whole,
-            (last.part_where(outer) * last.part_where(ends)) * last.whole};
+    const AtCorners<V> outer = border(1), ends = in_cell(ahead(a), ahead(b), ahead(c), ahead(centre));
+    const Cell<V> from_first = cell_within<V, 2>(second, {inner, -ends}),
+                  from_last = cell_within<V, 2>(second, {-outer, ends});
+    return {cell_within<V, 2>(own_cell(0), {-inner, -ends}), from_first + from_last,
+            cell_within<V, 2>(own_cell(2), {outer, ends})};
   }
 }
 
