@@ -78,7 +78,8 @@ struct HapticLoop {
   std::int64_t now = 0;       ///< of the last command; 0: none yet
 
   // Figures.
-  std::array<double, kFingerCount> least_factor = {1, 1, 1, 1, 1}, least_share = {1, 1, 1, 1, 1};
+  std::array<double, kFingerCount> least_factor = {1, 1, 1, 1, 1};  ///< of the limiter, starts left out
+  std::array<double, kFingerCount> least_share = {1, 1, 1, 1, 1};   ///< that accounts left
   LoopTiming slowest{0, 0, 0};  ///< that was measured since forces are let through
   double largest_lost = 0;      ///< [N m] torque the actuators could not make
   std::uint64_t gaps = 0;       ///< times the angles became stale while torques were wanted

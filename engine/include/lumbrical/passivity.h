@@ -44,6 +44,7 @@ HandStiffness joint_stiffness(const std::array<Pose, kJointCount>& X_WJ, const H
 /// A factor per finger, 0 .. 1, that holds its stiffness below the certificate's.
 struct StiffnessLimiter {
   std::array<double, kFingerCount> factor = {1, 1, 1, 1, 1};
+  std::array<double, kFingerCount> passive = factor;     ///< where the factors are drawn to
   std::array<double, kFingerCount> torque{}, allowed{};  ///< [N m], [N m/rad] of the last step
 };
 

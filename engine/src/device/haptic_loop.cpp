@@ -212,6 +212,14 @@ JointArray wanted_torque(const ActuatorFrame& output, const HapticLoop& loop) {
 
 bool books_energy(const HapticLoop& loop) { return loop.certified && keeps_accounts(loop); }
 
+// By how much touches had to be softened. Before a loop is measured nothing is passive, and what a factor
+// lacks while it rises from there is the start's.
+void note_softening(HapticLoop& loop) {
+  if (!std::isfinite(loop.certificate.timing.delay)) return;
+  for (std::size_t f = 0; f < kFingerCount; ++f)
+    loop.least_factor[f] = min(loop.least_factor[f], max(loop.limiter.factor[f], loop.limiter.passive[f]));
+}
+
 // What the accounts of the fingers can't pay is taken off their levels.
 void pay_for(const JointArray& wanted, double dt, HapticLoop& loop) {
   if (loop.fresh) book_energy(wanted, loop);
@@ -373,8 +381,7 @@ DeviceCommand command_forces(const Model& model, Scratch& scratch, const DeviceF
   const JointArray wanted = loop.wanted = wanted_torque(output, loop);
   keep_levels(output, loop);
   loop.fresh = false;
-  for (std::size_t f = 0; f < kFingerCount; ++f)
-    loop.least_factor[f] = min(loop.least_factor[f], loop.limiter.factor[f]);
+  note_softening(loop);
 
   const ActuatorSolution solution = solve_actuators(loop.profile, wanted, loop.speed);
   loop.largest_lost = max(loop.largest_lost, solution.lost_norm);

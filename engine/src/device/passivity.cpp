@@ -126,6 +126,7 @@ void limit_stiffness(const StiffnessCertificate& certificate, const HandStiffnes
     }
     const double gain = std::sqrt(squares);
     const double wanted = gain > 1 ? 1 / gain : gain <= 1 ? 1 : 0;  // NaN: nothing can be promised
+    limiter.passive[finger] = wanted;
     // What the torque has grown by and what is allowed has shrunk by since the last step: so far the factor
     // may fall at once. A torque that stays where it is is let down slowly while it is far too stiff; nearer
     // to what is passive the hand's own damping makes up for it, and letting go of a touch is felt, too.
