@@ -217,7 +217,7 @@ typedef struct lumbrical_settings {
   double ground_offset;    /* [m] ground_normal . p = ground_offset on it: 0 */
   double ground_friction;  /* 0 .. 10: 0.5 */
   int32_t felt_once; /* what several fingers, or fingers and palm, hold together is felt by the deepest only:
-                        BY_SAMPLES; ALWAYS needs FIELD and one rung for all segments */
+                        BY_SAMPLES; ALWAYS needs FIELD and all segments by samples, or all exact */
 } lumbrical_settings;
 
 /* How work is done; never changes a result. */
