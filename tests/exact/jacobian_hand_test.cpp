@@ -240,6 +240,20 @@ TEST(HandJacobian, IsUnknownWhereThereWereMorePairsThanRoom) {
   }
 }
 
+// Who asks for records then makes what does not fit into nothing, which is no Jacobian of zero.
+TEST(HandJacobian, StaysUnknownForWantOfRoomWhenRecordsOfContactsAreAskedFor) {
+  Scene scene = grasp_scene();
+  scene.settings.max_candidates = 10;
+  scene.settings.precision.fill(0);
+  scene.settings.precision[kPalmSegment] = 1e-4;
+  Session session(scene);
+  const ActuatorFrame output = session(test::grasp_frames(session.model.hand, 10)[8]);
+  ASSERT_NE(output.flags & kCandidateOverflow, 0u);
+  find_contacts(session.model, session.scratch);
+  const Jacobians jacobians = jacobians_of(session);
+  for (std::size_t i = 0; i < kPhalanxCount; ++i) EXPECT_FALSE(jacobians[i].known) << i;
+}
+
 TEST(HandJacobian, IsZeroWhereTheFrameCannotBeTrusted) {
   Session session(grasp_scene());
   DeviceFrame frame = test::grasp_frames(session.model.hand, 10)[8];

@@ -169,8 +169,10 @@ namespace {
 
 // Contacts of the hand that is placed in `scratch`, by the exact rung.
 void find_exact_contacts(const Model& model, Scratch& scratch) {
-  if (!find_candidates(model, *scratch.primitives, scratch)) scratch.candidate_count = 0;
+  const bool all_found = find_candidates(model, *scratch.primitives, scratch);
+  if (!all_found) scratch.candidate_count = 0;
   find_all_contacts(model, scratch);
+  if (!all_found) scratch.no_jacobian = kAllSegments;
 }
 
 // Is this part of a triangle nothing but rounding's, where the segment only just misses it? It may lie beside
