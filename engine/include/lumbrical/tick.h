@@ -121,7 +121,8 @@ struct Scratch {
   std::shared_ptr<HandTouches> touches;     ///< for who moves given objects; null: there is none
   StageWatch watch;                         ///< nobody's, unless set
   bool hash_stages = true;                  ///< compute stage_hash (recording and replay need it)
-  std::array<std::uint64_t, kStageCount> stage_hash{};  ///< of each stage's results in the last tick
+  std::array<std::uint64_t, kStageCount> stage_hash{};  ///< of each stage's results in the last tick that was
+                                                        ///< asked for them
 };
 
 Scratch make_scratch(const Model& model);

@@ -29,6 +29,7 @@ struct RoundHull {
   double length, radius1, radius2;  ///< [m]
   double sine, cosine;              ///< of the cone's half angle
   int cut_count;
+  static_assert(RoundTerms::kMostCuts >= static_cast<int>(Primitive::kMostCuts));
   std::array<CutPlane, Primitive::kMostCuts> cut;  ///< seen from `origin`
   [[nodiscard]] bool is_sphere() const { return length == 0; }
   [[nodiscard]] bool is_cone() const { return sine != 0; }

@@ -15,7 +15,7 @@ struct Edge {
 
 template <class V>
 struct Polygon {
-  static constexpr std::size_t kMost = 8;  // three, three cuts, two borders
+  static constexpr std::size_t kMost = 3 + RoundTerms::kMostCuts + 2;  // and two borders
   std::size_t count = 0;
   Edge<V> edge[kMost];
 };

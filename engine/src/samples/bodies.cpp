@@ -91,6 +91,7 @@ void set_palm(const SweptPolygon& polygon, const PatchRules& rules, PalmBody& pa
   palm.radius = static_cast<float>(polygon.radius);
   palm.block_size[0] = static_cast<float>(rules.block_above_palm);
   palm.block_size[1] = static_cast<float>(rules.block_size[kPalmSegment]);
+  static_assert(PalmBody::kMostCorners >= SweptPolygon::kMostCorners);
   for (std::size_t k = 0; k < palm.corner_count; ++k) {
     const Vec3 from = polygon.corner[k] - middle,
                edge = polygon.corner[(k + 1) % palm.corner_count] - polygon.corner[k];

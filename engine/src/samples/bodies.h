@@ -117,13 +117,6 @@ constexpr std::uint64_t parts_of_body(std::uint64_t parts, std::size_t body) {
 }
 
 inline bool is_felt(const Bodies& bodies, std::size_t body) { return (bodies.felt >> body & 1u) != 0; }
-
-/// [m] Where all bodies' origins are, seen from one point, and the largest radius of all.
-struct BodyOffsets {
-  float of[Bodies::kMostFingers + 1][3];
-  float largest;
-  [[nodiscard]] const float* operator[](std::size_t body) const { return of[body]; }
-};
 /// Those among `parts` that are felt.
 inline std::uint64_t felt_of(const Bodies& bodies, std::uint64_t parts) {
   std::uint64_t felt = 0;
@@ -132,6 +125,12 @@ inline std::uint64_t felt_of(const Bodies& bodies, std::uint64_t parts) {
   return felt;
 }
 
+/// [m] Where all bodies' origins are, seen from one point, and the largest radius of all.
+struct BodyOffsets {
+  float of[Bodies::kMostFingers + 1][3];
+  float largest;
+  [[nodiscard]] const float* operator[](std::size_t body) const { return of[body]; }
+};
 BodyOffsets offsets_from(Vec3 point, const Bodies& bodies);
 
 /// Bodies take blocks up to that radius [m] as ones where their skin goes through.

@@ -34,6 +34,7 @@ template <class V>
 std::size_t palm_hits(const SphereBlock* spheres, const PalmQuery& palm, const std::uint32_t* blocks,
                       std::size_t block_count, std::uint32_t* hits) {
   constexpr std::size_t kAhead = 4;
+  constexpr double kRounding = 1.000001;  // of what is far away, as its spheres are large
   const V zero = number<V>(0);
   std::size_t count = 0;
   for (std::size_t i = 0; i < block_count; ++i) {
@@ -43,7 +44,7 @@ std::size_t palm_hits(const SphereBlock* spheres, const PalmQuery& palm, const s
          lane += static_cast<unsigned>(wide::Lanes<V>::kCount)) {
       const V x = get(block.x.data() + lane, V{}), y = get(block.y.data() + lane, V{}),
               z = get(block.z.data() + lane, V{});
-      const V reach = get(block.r.data() + lane, V{}) + V(palm.slack);
+      const V reach = get(block.r.data() + lane, V{}) * number<V>(kRounding) + V(palm.slack);
       V farthest = number<V>(-1e30);
       for (std::size_t k = 0; k < palm.plane_count; ++k) {
         const float(&plane)[4] = palm.plane[k];

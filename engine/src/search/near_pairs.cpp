@@ -21,6 +21,8 @@ constexpr double kFarthest = 0x1p46, kLongest = 1e4;
 
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
 
+static_assert(MissTerms::kPlaneCapacity >= Slab::kMostFaces &&
+              MissTerms::kPlaneCapacity >= Primitive::kMostCuts);
 void add_plane(const HalfSpace& space, double overhang, Hull& hull) {
   hull.plane[static_cast<std::size_t>(hull.plane_count++)] = {
       space.normal, dot(space.normal, space.point - hull.end1) + overhang};

@@ -234,8 +234,9 @@ void size_candidates(const Model& model, Scratch& scratch) {
 
 bool find_candidates(const Model& model, const Primitives& hand, Scratch& scratch) {
   scratch.candidate_count = 0;
-  if (hand.count == 0 || model.triangles.size() == 0) return true;
   NearPairs& near = *scratch.near;
+  near.searches = near.asked = 0;
+  if (hand.count == 0 || model.triangles.size() == 0) return true;
   const bool other_world = near.build != model.build;
   near.build = model.build;
   for (std::size_t i = 0; i < hand.count; ++i) set_hull(hand.primitive[i], hand.palm, near.now[i]);
