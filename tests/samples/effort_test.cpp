@@ -78,6 +78,22 @@ TEST(Effort, IsSharedByTheWorldAndObjectsApart) {
   }
 }
 
+// Differences of forces would else be those of lattices: the Jacobian's, and the palm's stiffness.
+TEST(Effort, BindsNoHandThatIsFeltAsFinelyAsBefore) {
+  Scene scene = draped_scene();
+  const DeviceFrame frame = pressed_frame(scene.hand, 0.002, 0);
+  FeelingHand free(scene, 1e-4);
+  free(frame);
+  const SampledForces& before = free.scratch().samples->forces;
+  scene.settings.effort = 1;
+  FeelingHand bound(scene, 1e-4);
+  EXPECT_TRUE(bound(frame).flags & kCoarsened);
+  SampledForces again;
+  ASSERT_TRUE(sample_forces(bound.model(), *bound.scratch().primitives, kAllSegments,
+                            *bound.scratch().samples, again, fineness_of(before)));
+  EXPECT_EQ(hash_fields(again), hash_fields(before));
+}
+
 // They are no coarser for it.
 TEST(Effort, OfOneCellAPatchCountsRulesAndBlocksToo) {
   Scene scene = sampled_scene(default_hand(Side::right), pressed_scene(kWidthA, 200).objects);

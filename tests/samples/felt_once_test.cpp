@@ -314,7 +314,7 @@ TEST(FeltOnce, JacobiansAreThoseOfWhatIsFelt) {
   tick(model, state, scratch, flat);
   std::array<SegmentJacobian, kSegmentCount> jacobians;
   segment_jacobians(model, scratch, jacobians);
-  const LevelWeights level = scratch.samples->forces.level;
+  const Fineness fineness = scratch.samples->forces.fineness;
   // The palm by itself 10 um down: its polygon goes with its joint, fingers stay.
   constexpr double kStep = 1e-5;
   std::array<Vec3, 2> force;
@@ -322,7 +322,7 @@ TEST(FeltOnce, JacobiansAreThoseOfWhatIsFelt) {
     Primitives moved = *scratch.primitives;
     for (Vec3& corner : moved.palm.corner) corner.z += side * kStep;
     SampledForces felt;
-    ASSERT_TRUE(sample_forces(model, moved, kAllSegments, *scratch.samples, felt, &level));
+    ASSERT_TRUE(sample_forces(model, moved, kAllSegments, *scratch.samples, felt, &fineness));
     force[side > 0 ? 1 : 0] = scene.settings.stiffness * felt.segment[kPalmSegment].force;
   }
   // Records of contacts leave something to others too, but nothing that samples feel hangs on them.

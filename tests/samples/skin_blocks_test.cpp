@@ -61,7 +61,7 @@ class LevelsOf {
     tick(model_, state, scratch_, frame);
     SampledForces forces;
     EXPECT_TRUE(sample_forces(model_, *scratch_.primitives, kAllSegments, memory_, forces));
-    return forces.level;
+    return forces.fineness.level;
   }
   /// Blocks of blocks that the last frame took as ones on the skin.
   [[nodiscard]] std::size_t large_blocks() const {
@@ -381,7 +381,7 @@ TEST(SkinBlocks, LeaveNothingFeltWhereThereIsNoRoomToOpenThem) {
     (fits(middle) ? enough : too_little) = middle;
   }
   EXPECT_FALSE(fits(too_little));
-  EXPECT_TRUE(forces.level[2] > 0 && forces.level[3] > 0);
+  EXPECT_TRUE(forces.fineness.level[2] > 0 && forces.fineness.level[3] > 0);
   for (const Wrench& segment : forces.segment) EXPECT_EQ(norm(segment.force) + norm(segment.torque), 0);
 }
 

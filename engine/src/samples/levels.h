@@ -17,6 +17,14 @@ namespace lumbrical {
 /// How much each level counts, 1 in all.
 using LevelWeights = std::array<double, kLevels>;
 
+/// How finely a hand is felt. Whoever moves a hand by little to learn what that changes feels it as finely
+/// as before: what another choice would change is of the size of its errors.
+struct Fineness {
+  LevelWeights level{};
+  bool coarse_blocks = false;  ///< blocks on the skin are those of level 0, whatever the lattices
+  bool one_cell = false;       ///< and each lattice is one cell
+};
+
 /// Least forces for which level k will do without the next finer one: sums of what bodies feel by centroids,
 /// of a stiffness of 1, in units of PatchRules::radius3. A step's fourth power goes with them. Measured over
 /// drapes, fingertips, grasps and real meshes (docs/mechanics.md).

@@ -142,7 +142,7 @@ void feel_on_two_levels(SampleTeam& team, std::size_t coarser, SampledForces& fo
   for (const Mix mix : {Mix::coarser, Mix::finer}) {
     const SegmentWrenches wrenches = team.wrenches(mix);
     for (std::size_t i = 0; i < kSegmentCount; ++i)
-      forces.segment[i] += forces.level[mix == Mix::finer ? coarser + 1 : coarser] * wrenches[i];
+      forces.segment[i] += forces.fineness.level[mix == Mix::finer ? coarser + 1 : coarser] * wrenches[i];
   }
 }
 
@@ -170,7 +170,7 @@ std::size_t coarsest_of(const LevelWeights& weights) {
 }
 
 void feel_in_one_cell(SampleTeam& team, const Effort& effort, double force, SampledForces& forces) {
-  forces.level = {1};
+  forces.fineness.level = {1};
   forces.evaluations = effort.one_cell;
   forces.coarsened = true;
   forces.error_factor =
@@ -195,73 +195,76 @@ LevelWeights only(std::size_t level) {
   return weights;
 }
 
-// On a level and, as far as the effort allows, the next finer one, which takes other blocks as ones.
-bool feel_apart(SampleTeam& team, std::size_t coarser, const Effort& effort, double force,
+// On a level and, as far as `most` allows (0: all), the next finer one, which takes other blocks as ones.
+bool feel_apart(SampleTeam& team, std::size_t coarser, const Effort& effort, std::uint64_t most, double force,
                 SampledForces& forces) {
+  LevelWeights& level = forces.fineness.level;
   forces.evaluations = evaluations_of(effort, only(coarser));
   feel_on_one_level(team, coarser, forces);
   if (!open_for(team, coarser + 1) || !list(team)) return false;
   SampledForces finer;
   finer.evaluations = evaluations_of(effort_of(team), only(coarser + 1));
-  const std::uint64_t most = effort_left(team);
   if (most > 0 && forces.evaluations + finer.evaluations > most) {
-    forces.level = only(coarser);
+    level = only(coarser);
     forces.coarsened = true;
-    forces.error_factor = error_factor_of(forces.level, force);
+    forces.error_factor = error_factor_of(level, force);
     return true;
   }
   feel_on_one_level(team, coarser + 1, finer);
   forces.evaluations += finer.evaluations;
   for (std::size_t i = 0; i < kSegmentCount; ++i) {
     Wrench mixed;
-    mixed += forces.level[coarser] * forces.segment[i];
-    mixed += forces.level[coarser + 1] * finer.segment[i];
+    mixed += level[coarser] * forces.segment[i];
+    mixed += level[coarser + 1] * finer.segment[i];
     forces.segment[i] = mixed;
   }
   return true;
 }
 
-// On the levels that the force at centroids calls for, or `levels`, as far as Settings::effort allows. What
-// is near has been found for the coarsest one, which asks for the least.
-bool feel(SampleTeam& team, const LevelWeights* levels, SampledForces& forces) {
+// As finely as the force at centroids calls for and Settings::effort allows, or as `given`. What is near has
+// been found for the coarsest level, which asks for the least.
+bool feel(SampleTeam& team, const Fineness* given, SampledForces& forces) {
   const Patches& patches = *team.model.patches;
   const auto same_blocks = [&](std::size_t a, std::size_t b) {
     return patches.rules.block_on_skin[a] == patches.rules.block_on_skin[b];
   };
   const double force = force_at_centroids(team.memory.bodies, team.memory.search) / patches.rules.radius3;
-  const std::uint64_t most = effort_left(team);
-  forces.level = levels != nullptr ? *levels : level_weights(force);
+  const std::uint64_t most = given != nullptr ? 0 : effort_left(team);
+  Fineness& fineness = forces.fineness;
+  LevelWeights& level = fineness.level;
+  fineness = given != nullptr ? *given : Fineness{level_weights(force)};
   if (same_blocks(0, 1)) {  // they have the same lattices
-    forces.level[1] += forces.level[0];
-    forces.level[0] = 0;
+    level[1] += level[0];
+    level[0] = 0;
   }
-  const std::size_t wanted = coarsest_of(forces.level);
-  if (!same_blocks(wanted, 0) && !open_for(team, wanted)) return false;
+  const std::size_t wanted = coarsest_of(level);
+  const bool own_blocks = !fineness.coarse_blocks && !same_blocks(wanted, 0);
+  if (own_blocks && !open_for(team, wanted)) return false;
   if (!list(team)) return false;
   Effort effort = effort_of(team);
-  const bool coarser_blocks =
-      most > 0 && !same_blocks(wanted, 0) && evaluations_of(effort, only(wanted)) > most;
-  if (coarser_blocks) {
+  if (own_blocks && most > 0 && evaluations_of(effort, only(wanted)) > most) {
+    fineness.coarse_blocks = true;
     if (!find_for(team, 0) || !list(team)) return false;
     effort = effort_of(team);
   }
   forces.patch_count =
       static_cast<std::uint32_t>(team.memory.near.count()) + team.memory.overlaps.patch_count();
-  if (most > 0 && effort.always + effort.level[0] > most) {
+  if (most > 0 && effort.always + effort.level[0] > most) fineness.one_cell = true;
+  if (fineness.one_cell) {
     feel_in_one_cell(team, effort, force, forces);
     return true;
   }
-  forces.coarsened = keep_effort(effort, most, forces.level) || coarser_blocks;
-  forces.evaluations = evaluations_of(effort, forces.level);
+  forces.coarsened = keep_effort(effort, most, level) || fineness.coarse_blocks;
+  forces.evaluations = evaluations_of(effort, level);
   if (forces.coarsened)  // a level's blocks are off as much as its lattices
-    forces.error_factor = error_factor_of(coarser_blocks ? only(0) : forces.level, force);
-  const std::size_t coarsest = coarsest_of(forces.level);
-  if (!(forces.level[coarsest] < 1)) {
+    forces.error_factor = error_factor_of(fineness.coarse_blocks ? only(0) : level, force);
+  const std::size_t coarsest = coarsest_of(level);
+  if (!(level[coarsest] < 1)) {
     feel_on_one_level(team, coarsest, forces);
-  } else if (coarser_blocks || same_blocks(coarsest, coarsest + 1)) {
+  } else if (fineness.coarse_blocks || same_blocks(coarsest, coarsest + 1)) {
     feel_on_two_levels(team, coarsest, forces);
   } else {
-    return feel_apart(team, coarsest, effort, force, forces);
+    return feel_apart(team, coarsest, effort, most, force, forces);
   }
   return true;
 }
@@ -285,7 +288,7 @@ std::uint32_t sampled_segments(const Model& model) {
 }
 
 bool sample_forces(const Model& model, const Primitives& hand, std::uint32_t segments, SampleMemory& memory,
-                   SampledForces& forces, const LevelWeights* levels) {
+                   SampledForces& forces, const Fineness* given) {
   forces = {};
   // What others are deeper in is theirs, so they have to be there.
   const bool once = model.settings.felt_once != FeltOnce::never;
@@ -295,7 +298,7 @@ bool sample_forces(const Model& model, const Primitives& hand, std::uint32_t seg
   memory.overlaps.forget();
   if (!cut_near(model, hand, memory.search.cuts) || !find_for(team, 0)) return false;
   if (!found_any(memory.search)) return true;
-  if (!feel(team, levels, forces)) {
+  if (!feel(team, given, forces)) {
     forces.segment = {};  // no level by itself either
     return false;
   }

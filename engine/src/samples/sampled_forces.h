@@ -21,7 +21,7 @@ namespace lumbrical {
 struct SampledForces {
   /// Of a stiffness of 1: [m^3], [m^4] about the joint at the segment's base.
   std::array<Wrench, kSegmentCount> segment{};
-  LevelWeights level{};           ///< how much the lattices of each level count
+  Fineness fineness;
   std::uint64_t evaluations = 0;  ///< of a field
   double error_factor = 1;        ///< how many times the error is what the precision asks, by estimate
   bool coarsened = false;         ///< to stay within Settings::effort
@@ -49,9 +49,14 @@ inline constexpr std::uint32_t kAllSegments = (1u << kSegmentCount) - 1;
 /// Segments that are felt by samples, a bit each.
 std::uint32_t sampled_segments(const Model& model);
 
-/// Forces on those of `segments`; `levels`: by lattices mixed like this, and not as the force calls for.
-/// False where more patches are near than there is room for (Settings::max_candidates).
+/// Forces on those of `segments`; as finely as the force calls for and Settings::effort allows, or as
+/// `given`. False where more patches are near than there is room for (Settings::max_candidates).
 bool sample_forces(const Model& model, const Primitives& hand, std::uint32_t segments, SampleMemory& memory,
-                   SampledForces& forces, const LevelWeights* levels = nullptr);
+                   SampledForces& forces, const Fineness* given = nullptr);
+
+/// To feel a hand again that has hardly moved; null where nothing was near.
+inline const Fineness* fineness_of(const SampledForces& forces) {
+  return forces.evaluations > 0 ? &forces.fineness : nullptr;
+}
 
 }  // namespace lumbrical

@@ -55,14 +55,12 @@ Joints joints_the_palm_asks_for(const Model& model, const Joints& all) {
   return joints;
 }
 
-// By the same lattices as before: what they are off by hardly changes.
 Vec3 palm_force_by_samples(const Model& model, Scratch& scratch, std::uint32_t& flags) {
   SampleMemory& samples = *scratch.samples;
-  const LevelWeights level = samples.forces.level;
-  const bool felt_before = samples.forces.evaluations > 0;
+  const SampledForces before = samples.forces;
   shape_hand(model.hand, *scratch.primitives);
   if (!sample_forces(model, *scratch.primitives, 1u << kPalmSegment, samples, samples.forces,
-                     felt_before ? &level : nullptr))
+                     fineness_of(before)))
     flags |= kCandidateOverflow;
   tell(scratch.watch, Stage::narrowphase);
   return model.settings.stiffness * samples.forces.segment[kPalmSegment].force;

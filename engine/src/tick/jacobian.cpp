@@ -92,8 +92,6 @@ void add_sampled_body(const Model& model, const Primitives& hand, std::size_t fi
                       std::uint32_t segments, SampleMemory& memory,
                       std::array<SegmentJacobian, kSegmentCount>& jacobians) {
   const Vec3 pivot = hand.base_joint[first_placed(hand, first, last)];
-  // By the same lattices as the tick: what its mixture would change by is of the size of their errors.
-  const LevelWeights* const levels = memory.forces.contact_count > 0 ? &memory.forces.level : nullptr;
   std::array<Matrix6, kSegmentCount> about_pivot{};
   for (std::size_t column = 0; column < 6; ++column) {
     const bool shifts = column < 3;
@@ -103,7 +101,8 @@ void add_sampled_body(const Model& model, const Primitives& hand, std::size_t fi
       Primitives moved = hand;
       const Vec3 by = along_axis(column % 3, side * step);
       move_segments(first, last, pivot, shifts ? by : Vec3{}, shifts ? Vec3{} : by, hand, moved);
-      if (!sample_forces(model, moved, segments, memory, side > 0 ? ahead : behind, levels)) {
+      if (!sample_forces(model, moved, segments, memory, side > 0 ? ahead : behind,
+                         fineness_of(memory.forces))) {
         for (std::size_t i = first; i <= last; ++i) jacobians[i].known = false;
         return;
       }
