@@ -1,6 +1,7 @@
 // Worlds in files against the same scenes in memory: the same bits, a bounded part of the file in memory, and
 // a thread that has it there before the hand comes.
 #include <chrono>
+#include <filesystem>
 #include <fstream>
 #include <thread>
 #include <vector>
@@ -133,6 +134,7 @@ std::size_t resident_bytes(const World& world) {
 // Streets of height fields: `count` blocks in a row, 0.3 m each.
 std::string write_street(int count) {
   const std::string path = (own_folder() / "street.world").string();
+  std::filesystem::remove(path);
   WorldWriter writer;
   EXPECT_TRUE(writer.open(path, {}).ok());
   const Mesh block = make_height_field(0.3, 150, 0.002, 0.04);
@@ -260,25 +262,62 @@ TEST(World, IsReadAheadOfBothHandsWhereverTheyAre) {
   touches_nothing_new(other, 3.2);
 }
 
-// Until the thread has noticed by the file's time.
-TEST(World, WhatIsWrittenIntoItsFileLeadsThePagerNowhere) {
-  Scene scene;
-  scene.hand = default_hand(Side::right);
-  const std::string path = write_street(1);
-  ASSERT_TRUE(open_world(path, scene.world).ok());
+void make_newer(const std::string& path, int seconds) {
+  std::filesystem::last_write_time(path,
+                                   std::filesystem::last_write_time(path) + std::chrono::seconds(seconds));
+}
+
+// Over what is mapped there; the pager's thread notices by the file's time, and only a while later.
+void expect_led_nowhere(const Scene& scene, const void* place, const void* bytes, std::size_t size) {
   const World& world = *scene.world;
-  const auto trees = reinterpret_cast<const std::byte*>(world.grid.lines.data()) - world.bytes.get();
-  std::fstream file(path, std::ios::binary | std::ios::in | std::ios::out);
-  file.seekp(trees);
-  const std::string numbers(world.grid.lines.size() * sizeof(TreeLine), '\xff');
-  file.write(numbers.data(), static_cast<std::streamsize>(numbers.size()));
+  const Model model = built(scene);
+  std::fstream file(world.path, std::ios::binary | std::ios::in | std::ios::out);
+  file.seekp(static_cast<const std::byte*>(place) - world.bytes.get());
+  file.write(static_cast<const char*>(bytes), static_cast<std::streamsize>(size));
   file.close();
-  std::filesystem::last_write_time(path, std::filesystem::last_write_time(path) + std::chrono::seconds(10));
-  WorldPager pager(built(scene), {});
+  make_newer(world.path, 10);
+  WorldPager pager(model, {});
   pager.hand_at(hand_on_street(scene.hand, 0));
   pager.catch_up();
   EXPECT_GT(pager.held_bytes(), 0u);
   EXPECT_FALSE(pager.failure().ok());
+}
+
+Scene hand_in_street() {
+  Scene scene;
+  scene.hand = default_hand(Side::right);
+  EXPECT_TRUE(open_world(write_street(1), scene.world).ok());
+  return scene;
+}
+
+TEST(World, WhatIsWrittenIntoItsFileLeadsThePagerNowhere) {
+  const Scene scene = hand_in_street();
+  const SharedArray<TreeLine>& lines = scene.world->grid.lines;
+  const std::string numbers(lines.size() * sizeof(TreeLine), '\xff');
+  expect_led_nowhere(scene, lines.data(), numbers.data(), numbers.size());
+  for (const bool far : {false, true}) {
+    const Scene other = hand_in_street();
+    const SharedArray<TreeHead>& trees = other.world->grid.tree;
+    std::vector<TreeHead> heads(trees.begin(), trees.end());
+    for (TreeHead& head : heads) {
+      if (far)
+        head.first_line = std::uint64_t{1} << 50;
+      else
+        head.level_count = UINT16_MAX;
+    }
+    expect_led_nowhere(other, trees.data(), heads.data(), heads.size() * sizeof(TreeHead));
+  }
+}
+
+TEST(World, ThatWasChangedAndChangedBackIsAFailure) {
+  const Scene scene = hand_in_street();
+  make_newer(scene.world->path, 10);
+  WorldPager pager(built(scene), {});
+  pager.hand_at(hand_on_street(scene.hand, 0));
+  pager.catch_up();
+  EXPECT_TRUE(pager.changed());
+  make_newer(scene.world->path, -10);
+  EXPECT_NE(pager.failure().message().find("was changed while it was read"), std::string::npos);
 }
 
 TEST(World, FramesThatTellNoPlaceAreNoTroubleToThePager) {

@@ -110,6 +110,10 @@ Status check_mapped(const std::string& path, const std::byte* mapped) {
   const struct timespec written = now.st_mtim;
   const bool same = written.tv_sec == mapping->written.tv_sec && written.tv_nsec == mapping->written.tv_nsec;
   if (same && is_whole(mapped) && static_cast<std::size_t>(now.st_size) == mapping->size) return {};
+  return changed_while_read(path);
+}
+
+Status changed_while_read(const std::string& path) {
   return Status::error(path +
                        ": was changed while it was read; write another file and give it this name instead");
 }

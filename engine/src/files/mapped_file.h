@@ -24,6 +24,9 @@ bool is_whole(const std::byte* mapped) noexcept;
 /// writing. One call of the system.
 Status check_mapped(const std::string& path, const std::byte* mapped);
 
+/// The error of a mapped file that was changed.
+Status changed_while_read(const std::string& path);
+
 /// Lets go of the whole pages within: they no longer count as this process', and are read again when touched.
 void release_pages(const std::byte* first, std::size_t size);
 

@@ -171,6 +171,21 @@ double moved(const FollowedHand& hand) {
   return max(norm(hand.box.lower - hand.seen.lower), norm(hand.box.upper - hand.seen.upper));
 }
 
+struct TreePlace {
+  const TreeLine* lines = nullptr;
+  TreeLayout layout;
+};
+
+// Of no lines where the file was written to, so that there are none of that head.
+TreePlace tree_place(const SphereGrid& grid, std::uint32_t tree) {
+  const TreeHead head = grid.tree[tree];
+  if (head.level_count > kTreeLevels) return {};
+  const TreeLayout layout = layout_of(head);
+  const std::size_t all = grid.lines.size();
+  if (head.first_line > all || layout.lines > all - head.first_line) return {};
+  return {grid.lines.data() + head.first_line, layout};
+}
+
 }  // namespace
 
 struct WorldPager::Thread {
@@ -205,17 +220,16 @@ void WorldPager::Thread::touch(const Box& box) {
   // Every search halves its way through the table of cells.
   held_parts.touch(grid.cell.data(), grid.cell.size() * sizeof(std::uint64_t));
   const auto found = std::span(trees).first(find_cells(grid, box, trees));
-  const auto lines_of = [&](std::uint32_t tree) { return grid.lines.data() + grid.tree[tree].first_line; };
   for (const std::uint32_t tree : found) {
     held_parts.touch(&grid.tree[tree], sizeof(TreeHead));
-    expect_pages(reinterpret_cast<const std::byte*>(lines_of(tree)),
-                 layout_of(grid.tree[tree]).lines * sizeof(TreeLine));
+    const auto [lines, layout] = tree_place(grid, tree);
+    expect_pages(reinterpret_cast<const std::byte*>(lines), layout.lines * sizeof(TreeLine));
   }
   for (const std::uint32_t tree : found) {
-    const TreeLayout layout = layout_of(grid.tree[tree]);
+    const auto [lines, layout] = tree_place(grid, tree);
     if (layout.lines == 0) continue;
-    held_parts.touch(lines_of(tree), layout.lines * sizeof(TreeLine));
-    const std::uint32_t* const numbers = numbers_of(lines_of(tree), layout);
+    held_parts.touch(lines, layout.lines * sizeof(TreeLine));
+    const std::uint32_t* const numbers = numbers_of(lines, layout);
     for (std::size_t k = 0; k < layout.lowest * SphereBlock::kWidth; ++k) {
       if (stop.load(std::memory_order_relaxed)) return;
       const std::uint32_t number = numbers[k];
@@ -325,7 +339,11 @@ bool WorldPager::changed() const noexcept {
 }
 
 Status WorldPager::failure() const {
-  return thread_ ? check_mapped(thread_->model.world->path, thread_->model.world->bytes.get()) : Status();
+  if (!thread_) return {};
+  const World& world = *thread_->model.world;
+  Status status = check_mapped(world.path, world.bytes.get());
+  // What has been changed back was changed all the same.
+  return status.ok() && changed() ? changed_while_read(world.path) : status;
 }
 
 std::size_t WorldPager::held_bytes() const noexcept {
