@@ -149,6 +149,20 @@ TEST_F(Copied, PartBehindAGapIsNotSaidToReplay) {
   EXPECT_TRUE(copy({gap}, part, {0, 300, std::nullopt}).replayable);
 }
 
+TEST_F(Copied, PartBehindAGapAsLongAsNumbersAllowIsMade) {
+  const std::string file = temporary_path("gap.mcap");
+  Scene scene = small_scene();
+  scene.settings.proxy_stiffness = 1000;  // else no state is looked for that was kept before
+  RandomBits random(1);
+  const std::uint64_t last = UINT64_MAX - 1;
+  write_recording(file, scene, {random_record(random, 0), random_record(random, last)});
+  CopyResult result;
+  ASSERT_TRUE(
+      copy_recordings({file}, temporary_path("part.mcap"), {last, last + 1, std::nullopt}, result).ok());
+  EXPECT_EQ(result.ticks, 1u);
+  EXPECT_FALSE(result.replayable);
+}
+
 TEST_F(Copied, PartOfASceneThatNoModelIsMadeOfIsNotSaidToReplay) {
   const std::string file = temporary_path("scene.mcap");
   Scene scene = small_scene();

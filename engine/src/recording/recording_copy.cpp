@@ -75,11 +75,12 @@ Status kept_state(RecordingReader& reader, std::uint64_t begin, std::uint64_t ti
 Status find_from_kept(RecordingReader& reader, const Model& model, const CopyOptions& options, State& state,
                       bool& found) {
   const std::uint64_t first = reader.info().first_tick, tick_number = options.from;
+  const std::uint64_t all = tick_number - first;
   std::optional<State> kept;
   std::uint64_t begin = tick_number;
-  for (std::uint64_t back = 256; !kept && begin > first; back *= 8) {
+  for (std::uint64_t back = 256; !kept && begin > first; back = back < all / 8 ? 8 * back : all) {
     const std::uint64_t end = begin;
-    begin = tick_number - std::min(back, tick_number - first);
+    begin = tick_number - std::min(back, all);
     if (Status status = kept_state(reader, begin, end, options.stop, kept); !status.ok()) return status;
   }
   if (!kept || kept->tick > tick_number || !check_state(model, *kept).ok()) return {};
