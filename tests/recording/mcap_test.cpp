@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <filesystem>
 #include <map>
 #include <set>
 #include <string>
@@ -286,6 +287,14 @@ TEST(McapReader, RefusesAnUnknownCompressionAndAWrongChecksum) {
   const Status wrong = load_only_chunk(file_with_chunk({0, 0, 100, 1, "", records}), chunk);
   EXPECT_NE(wrong.message().find("checksum is wrong"), std::string::npos) << wrong.message();
   EXPECT_TRUE(load_only_chunk(file_with_chunk({0, 0, 100, 0, "", records}), chunk).ok());
+}
+
+TEST(McapReader, NamesTheFileThatItCouldNotOpen) {
+  const std::string path = temporary_path("a.mcap"), part = path + kPartSuffix;
+  InputFile file;
+  EXPECT_EQ(file.open(path).message().find(path + ": there is no such file"), 0u);
+  std::filesystem::create_symlink(part, part);
+  EXPECT_EQ(file.open(path).message().find(part + ": can't be read"), 0u);
 }
 
 TEST(McapReader, NamesTheByteOfARecordThatIsNotWhole) {

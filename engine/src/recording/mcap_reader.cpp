@@ -129,10 +129,14 @@ Status InputFile::open(const std::string& path) {
   descriptor_ = ::open(path.c_str(), kMode);
   if (descriptor_ < 0 && errno == ENOENT) {
     // What a writer that is at work, or was killed, has left.
-    descriptor_ = ::open((path + kPartSuffix).c_str(), kMode);
-    if (descriptor_ >= 0) path_ += kPartSuffix;
+    const std::string part = path + kPartSuffix;
+    descriptor_ = ::open(part.c_str(), kMode);
+    if (descriptor_ >= 0 || errno != ENOENT)
+      path_ = part;
+    else  // it may have been completed in between
+      descriptor_ = ::open(path.c_str(), kMode);
   }
-  if (descriptor_ < 0) return unreadable(path, errno);
+  if (descriptor_ < 0) return unreadable(path_, errno);
   struct stat status {};
   if (::fstat(descriptor_, &status) != 0 || !S_ISREG(status.st_mode))
     return Status::error(path_ + ": is not a file; name a recording");
