@@ -5,6 +5,7 @@
 #include <array>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 
 #include "files.h"
 #include "lumbrical/modbus_server.h"
@@ -60,6 +61,19 @@ TEST_F(TerminalLink, OfAnotherIsLeftWhereItIs) {
   std::ofstream(link_) << "text";
   server_.close();
   EXPECT_EQ(test::read_file(link_), "text");
+}
+
+std::ptrdiff_t open_files() { return std::distance(fs::directory_iterator("/proc/self/fd"), {}); }
+
+TEST(ModbusServer, HasOnePlaceAtATimeAndNoneWhereItCannotBeOpened) {
+  const std::ptrdiff_t before = open_files();
+  ModbusServer server;
+  for (int i = 0; i < 3; ++i) {
+    ASSERT_TRUE(server.listen("127.0.0.1", 0).ok());
+    EXPECT_EQ(open_files(), before + 1);
+  }
+  EXPECT_FALSE(server.open_line("/dev/null", 115200).ok());
+  EXPECT_EQ(open_files(), before);
 }
 
 }  // namespace

@@ -39,6 +39,7 @@ struct ServerFaults {
   std::atomic<double> trickle{0};     ///< [s] between the bytes of a reply
 };
 
+/// Has one place at a time: a new one is opened in place of the one before.
 class ModbusServer {
  public:
   ModbusServer();

@@ -222,14 +222,15 @@ Status ModbusServer::listen(const std::string& host, std::uint16_t port) {
   if (getaddrinfo(host.c_str(), std::to_string(port).c_str(), &hints, &place) != 0) {
     return Status::error(host + ": is no address in numbers; use 127.0.0.1");
   }
+  close();
   listener_ = socket(place->ai_family, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
   const int yes = 1;
-  setsockopt(listener_, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
   sockaddr_storage taken{};
   socklen_t size = sizeof taken;
-  const bool listens = listener_ >= 0 && bind(listener_, place->ai_addr, place->ai_addrlen) == 0 &&
-                       ::listen(listener_, 64) == 0 &&
-                       getsockname(listener_, reinterpret_cast<sockaddr*>(&taken), &size) == 0;
+  const bool listens =
+      listener_ >= 0 && setsockopt(listener_, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes) == 0 &&
+      bind(listener_, place->ai_addr, place->ai_addrlen) == 0 && ::listen(listener_, 64) == 0 &&
+      getsockname(listener_, reinterpret_cast<sockaddr*>(&taken), &size) == 0;
   const Status status = listens ? Status() : system_error(host + ":" + std::to_string(port));
   const bool v6 = place->ai_family == AF_INET6;
   open_to_others_ = !is_loopback(*place->ai_addr);
@@ -245,6 +246,7 @@ Status ModbusServer::listen(const std::string& host, std::uint16_t port) {
 }
 
 Status ModbusServer::open_terminal(const std::string& link) {
+  close();
   line_ = posix_openpt(O_RDWR | O_NOCTTY | O_CLOEXEC | O_NONBLOCK);
   std::array<char, 128> name{};
   if (line_ < 0 || grantpt(line_) != 0 || unlockpt(line_) != 0 ||
@@ -261,16 +263,21 @@ Status ModbusServer::open_terminal(const std::string& link) {
     }
     link_ = link;
   }
-  return make_raw(line_, name_, 0);
+  Status status = make_raw(line_, name_, 0);
+  if (!status.ok()) close();
+  return status;
 }
 
 Status ModbusServer::open_line(const std::string& path, std::uint32_t baud) {
   const speed_t speed = code_of(baud);
   if (speed == 0) return Status::error(path + ": " + std::to_string(baud) + " baud is not a standard rate");
+  close();
   line_ = ::open(path.c_str(), O_RDWR | O_NOCTTY | O_CLOEXEC | O_NONBLOCK);
   if (line_ < 0) return system_error(path);
   name_ = path;
-  return make_raw(line_, path, speed);
+  Status status = make_raw(line_, name_, speed);
+  if (!status.ok()) close();
+  return status;
 }
 
 void ModbusServer::close() {
