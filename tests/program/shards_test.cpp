@@ -220,6 +220,23 @@ TEST(Shards, MergedTakeThePlaceOfResultsOnly) {
   EXPECT_EQ(read_file((folder / "notes").string()), "what took a year");
 }
 
+TEST(Shards, MergedRefuseWhatCannotBeCountedByFileAndLine) {
+  const fs::path folder = fresh_folder();
+  const std::string deep(100000, '['), ends(100000, ']');
+  for (const std::string& wrong :
+       {std::string(R"("ticks": "three")"), std::string(R"("ticks": -3)"), std::string(R"("identical": 1)"),
+        std::string(R"("hands": 2)"), std::string(R"("hands": [{"ticks": null}])"),
+        std::string(R"("what_if": {"ticks": []})"), "\"damage\": " + deep + ends}) {
+    std::ofstream(folder / "results") << R"({"recording": "a", "identical": true, "ticks": 3})" << '\n'
+                                      << R"({"recording": "b", )" << wrong << "}\n";
+    const Outcome refused = shell("lumbrical merge-results results --output all", folder);
+    EXPECT_EQ(refused.exit_code, 2) << wrong.substr(0, 40);
+    EXPECT_NE(refused.error.find("results:2: is no result of a recording or scene"), std::string::npos)
+        << refused.error;
+    EXPECT_FALSE(fs::exists(folder / "all"));
+  }
+}
+
 TEST(Shards, LeaveAFileThatHoldsNoResultsAsItIs) {
   const fs::path folder = folder_with_demo();
   std::ofstream(folder / "list") << "rec.mcap";

@@ -68,6 +68,17 @@ int print_text(std::string_view unchecked) {
   return fail("standard output: can't write the result; is the disk full?");
 }
 
+Json parse_json(std::string_view text) {
+  constexpr int kDeepest = 100;
+  bool too_deep = false;
+  const auto look = [&too_deep](int depth, Json::parse_event_t, Json&) {
+    too_deep = too_deep || depth > kDeepest;
+    return !too_deep;
+  };
+  Json json = Json::parse(text, look, false);
+  return too_deep ? Json(Json::value_t::discarded) : json;
+}
+
 int print_json(const Json& object) {
   // Names may come from files in any encoding; bytes that are not UTF-8 are replaced instead of throwing, and
   // what is beyond ASCII, control characters among it, is escaped.

@@ -19,6 +19,10 @@ namespace lumbrical::tool {
 
 using Json = nlohmann::ordered_json;  ///< keeps the order in which keys are added
 
+/// The JSON of a text that may come from anybody's file. Discarded where it is none, or where its brackets
+/// are nested more than a hundred deep: printing them calls itself as deep.
+Json parse_json(std::string_view text);
+
 /// From now on a failure is also told as a JSON object on standard output, unless a result stands there.
 void failures_as_json();
 

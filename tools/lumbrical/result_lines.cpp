@@ -1,6 +1,7 @@
 // See result_lines.h.
 #include "result_lines.h"
 
+#include <algorithm>
 #include <cerrno>
 #include <cstdint>
 #include <filesystem>
@@ -22,16 +23,32 @@ bool has_an_end(const std::string& path) {
   return std::filesystem::is_regular_file(kind) || std::filesystem::is_fifo(kind);
 }
 
+// Of a result or a hand in it: whatever is there of what is counted has its type.
+bool can_be_counted(const Json& result) {
+  const auto is = [&result](const char* key, const auto& has_type) {
+    const auto found = result.find(key);
+    return found == result.end() || has_type(*found);
+  };
+  const auto is_count = [](const Json& ticks) { return ticks.is_number_unsigned(); };
+  const auto is_flag = [](const Json& flag) { return flag.is_boolean(); };
+  const auto are_hands = [](const Json& hands) {
+    return hands.is_array() && std::all_of(hands.begin(), hands.end(), can_be_counted);
+  };
+  const auto is_what_if = [](const Json& what_if) { return what_if.is_object() && can_be_counted(what_if); };
+  return result.is_object() && is("ticks", is_count) && is("identical", is_flag) && is("hands", are_hands) &&
+         is("what_if", is_what_if);
+}
+
 // `whole`: the bytes of the lines that have an end.
 Status read_lines(const std::string& path, std::map<std::string, Json>& results, std::uintmax_t& whole) {
   std::ifstream file;
   if (has_an_end(path)) file.open(path, std::ios::binary);
   std::string line;
   for (std::size_t number = 1; std::getline(file, line); ++number) {
-    Json result = Json::parse(line, nullptr, false);
+    Json result = parse_json(line);
     if (file.eof() && is_torn(line, result)) return {};
     const std::string entry = entry_of(result);
-    if (file.eof() || entry.empty())
+    if (file.eof() || entry.empty() || !can_be_counted(result))
       return Status::error(path + ":" + std::to_string(number) +
                            ": is no result of a recording or scene; name a file of results");
     results[entry] = std::move(result);
