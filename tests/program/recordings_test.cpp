@@ -152,6 +152,31 @@ TEST(CommandLine, ARecordingTellsWhenItWasMadeAndWhatItsNumbersAre) {
     EXPECT_NE(file.find(text), std::string::npos) << text;
 }
 
+// As somebody may have made it: a certificate that nobody could print, and more events than are told.
+TEST(CommandLine, InfoTellsOfADeviceWithinBounds) {
+  const fs::path folder = folder_with_demo();
+  RecorderOptions options;
+  options.metadata["certificate"] = std::string(100000, '[') + std::string(100000, ']');
+  Recorder recorder;
+  Scene scene;
+  scene.hand = default_hand(Side::right);
+  ASSERT_TRUE(recorder.open(folder / "driven.mcap", scene, options).ok());
+  TickRecord record;
+  record.sent_count = 1;
+  for (std::uint64_t& tick = record.output.tick; tick < 10100; ++tick) {
+    record.sent[0].state = tick % 2 == 0 ? SafetyState::idle : SafetyState::armed;
+    ASSERT_TRUE(recorder.record(record));
+  }
+  ASSERT_TRUE(recorder.close().ok());
+  const Outcome told = shell("lumbrical info driven.mcap --json", folder);
+  ASSERT_EQ(told.exit_code, 0) << told.error;
+  const nlohmann::json device = told.json()["device"];
+  EXPECT_EQ(device["certificate"], options.metadata["certificate"]);
+  EXPECT_EQ(device["events"].size(), 10000u);
+  EXPECT_EQ(device["more_events"], 100);
+  EXPECT_NE(shell("lumbrical info driven.mcap", folder).output.find("and 10,080 more"), std::string::npos);
+}
+
 TEST(CommandLine, ViewShowsARecordingThatIsStillWritten) {
   const fs::path folder = folder_with_demo();
   ASSERT_EQ(shell("lumbrical run demo.json --ticks 10 --record a.mcap", folder).exit_code, 0);

@@ -4,6 +4,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "commands.h"
@@ -113,45 +114,62 @@ void add_scene_rows(const Scene& scene, Table& table) {
               scene.world->path + ", " + grouped(scene.world->byte_count) + " bytes; a replay needs it");
 }
 
-constexpr std::size_t kMostEvents = 20;  // that are told people; scripts and export get all
+// So many are told people, and scripts, for a session may have as many as ticks; export has all.
+constexpr std::size_t kMostEvents = 20, kMostEventsInJson = 10000;
 
-Json device_json(const DeviceHistory& history, const std::string& certificate) {
+/// What became of a session's device, its first events, and how many more there are.
+struct ToldHistory : DeviceHistory {
+  std::uint64_t more = 0;
+};
+
+Json device_json(const ToldHistory& history, const std::string& certificate) {
   Json json;
   json["commands"] = history.commands;
   json["acknowledged"] = history.acknowledged;
   json["delay"] = {{"mean", history.mean_delay}, {"max", history.largest_delay}};
-  json["certificate"] = Json::parse(certificate, nullptr, false);
+  json["certificate"] = parse_json(certificate);
   if (json["certificate"].is_discarded()) json["certificate"] = certificate;
   json["events"] = Json::array();
   for (const DeviceEvent& event : history.events)
     json["events"].push_back(
         {{"tick", event.tick}, {"time", event.time}, {"kind", event.kind}, {"text", event.text}});
+  json["more_events"] = history.more;
   return json;
 }
 
-void add_device_rows(const DeviceHistory& history, Table& table) {
+void add_device_rows(const ToldHistory& history, Table& table) {
   table.add("device", grouped(history.commands) + " commands, " + grouped(history.acknowledged) +
                           " acknowledged; delay mean " + brief(1e3 * history.mean_delay) + "   max " +
                           brief(1e3 * history.largest_delay) + " ms");
-  for (std::size_t i = 0; i < std::min(history.events.size(), kMostEvents); ++i) {
-    const DeviceEvent& event = history.events[i];
+  for (const DeviceEvent& event : history.events)
     table.add("", brief(event.time, 6) + " s  " + event.kind + ": " + event.text);
-  }
-  if (history.events.size() > kMostEvents)
-    table.add("", "and " + grouped(history.events.size() - kMostEvents) + " more: lumbrical export --events");
+  if (history.more > 0) table.add("", "and " + grouped(history.more) + " more: lumbrical export --events");
 }
 
-/// What became of a session's device; nothing where there was none, which takes no reading of all ticks.
-Status device_history(std::vector<RecordingReader>& readers, std::optional<DeviceHistory>& history) {
+/// Nothing where there was no device, which takes no reading of all ticks.
+Status device_history(std::vector<RecordingReader>& readers, std::size_t most,
+                      std::optional<ToldHistory>& history) {
   if (!readers[0].info().metadata.contains("certificate")) return {};
-  return read_device_history(readers, history.emplace());
+  ToldHistory& told = history.emplace();
+  std::vector<DeviceEvent> events;
+  const auto keep = [&](const DeviceEvent& event) {
+    if (events.size() < most)
+      events.push_back(event);
+    else
+      ++told.more;
+    return Status();
+  };
+  Status status = read_device_history(readers, told, keep);
+  told.events = std::move(events);
+  return status;
 }
 
 int info(const RecordingOptions& options) {
   std::vector<RecordingReader> readers;
   if (Status status = open_hands(options.recording, readers); !status.ok()) return fail(status);
-  std::optional<DeviceHistory> device;
-  if (Status status = device_history(readers, device); !status.ok()) return fail(status);
+  std::optional<ToldHistory> device;
+  const std::size_t most = options.json ? kMostEventsInJson : kMostEvents;
+  if (Status status = device_history(readers, most, device); !status.ok()) return fail(status);
   const RecordingReader& reader = readers[0];
   if (options.json) {
     Json json = info_json(reader.info());
