@@ -125,6 +125,21 @@ TEST(CommandLine, RunPrintsTheContractsKeysAndReplayFindsTheRecordingIdentical) 
   EXPECT_TRUE(replay.json()["first_divergence"].is_null());
 }
 
+TEST(CommandLine, AWorldTellsTheWindingsOfObjectsOfOneNameToo) {
+  const fs::path folder = folder_with_demo();
+  nlohmann::json scene = nlohmann::json::parse(read_file(folder / "demo.json"));
+  scene["objects"] = {scene["objects"][0], scene["objects"][0]};
+  std::ofstream(folder / "twins.json") << scene.dump();
+  const Outcome made = shell("lumbrical world twins.json --output twins.world --json", folder);
+  ASSERT_EQ(made.exit_code, 0) << made.error;
+  const nlohmann::json windings = made.json()["windings"];
+  ASSERT_EQ(windings.size(), 2u);
+  for (const nlohmann::json& object : windings) {
+    EXPECT_EQ(object["name"], windings[0]["name"]);
+    EXPECT_TRUE(object["winding"].contains("parts"));
+  }
+}
+
 TEST(CommandLine, AWorldFileTakesTheObjectsPlace) {
   const fs::path folder = folder_with_demo();
   nlohmann::json scene = nlohmann::json::parse(read_file(folder / "demo.json"));

@@ -70,8 +70,9 @@ int make_world(const WorldOptions& options) {
     json["cell_size"] = world->grid.cell_size;
     json["bytes"] = world->byte_count;
     json["seconds"] = seconds;
-    json["windings"] = Json::object();
-    for (const World::Object& object : objects) json["windings"][object.name] = to_json(object.winding);
+    json["windings"] = Json::array();
+    for (const World::Object& object : objects)
+      json["windings"].push_back({{"name", object.name}, {"winding", to_json(object.winding)}});
     return print_json(json);
   }
   Table table;
