@@ -6,6 +6,7 @@
 #include <fcntl.h>
 #include <gtest/gtest.h>
 #include <netinet/in.h>
+#include <sys/resource.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
@@ -13,6 +14,7 @@
 #include <chrono>
 #include <csignal>
 #include <cstdlib>
+#include <ctime>
 #include <filesystem>
 #include <fstream>
 #include <future>
@@ -31,15 +33,19 @@ namespace {
 constexpr const char* kPage =
     "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'\"><title>Lumbrical</title>";
 
-/// Sends a request and answers all that comes back until the server closes.
-std::string ask(std::uint16_t port, const std::string& request) {
-  const int line = socket(AF_INET, SOCK_STREAM, 0);
+bool connect_to(std::uint16_t port, int line) {
   sockaddr_in address{};
   address.sin_family = AF_INET;
   address.sin_port = htons(port);
   address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  return connect(line, reinterpret_cast<sockaddr*>(&address), sizeof address) == 0;
+}
+
+/// Sends a request and answers all that comes back until the server closes.
+std::string ask(std::uint16_t port, const std::string& request) {
+  const int line = socket(AF_INET, SOCK_STREAM, 0);
   std::string answer;
-  if (connect(line, reinterpret_cast<sockaddr*>(&address), sizeof address) == 0) {
+  if (connect_to(port, line)) {
     send(line, request.data(), request.size(), MSG_NOSIGNAL);
     char piece[4096];
     for (ssize_t count = 0; (count = recv(line, piece, sizeof piece, 0)) > 0;)
@@ -85,6 +91,21 @@ TEST(PageServer, GoesOnWhenOneConnectionRunsOutOfMemory) {
     EXPECT_EQ(body_of(get(server.port(), "/live")), "");
     EXPECT_EQ(status_of(get(server.port(), "/")), "HTTP/1.1 200 OK");
   }
+}
+
+TEST_F(PageServerTest, ComputesNothingWhileNoDescriptorIsFree) {
+  const int line = socket(AF_INET, SOCK_STREAM, 0);
+  rlimit before{};
+  ASSERT_EQ(getrlimit(RLIMIT_NOFILE, &before), 0);
+  const rlimit full{static_cast<rlim_t>(line) + 1, before.rlim_max};
+  ASSERT_EQ(setrlimit(RLIMIT_NOFILE, &full), 0);
+  EXPECT_TRUE(connect_to(server_.port(), line));
+  const std::clock_t start = std::clock();
+  std::this_thread::sleep_for(std::chrono::milliseconds(500));
+  EXPECT_LT(std::clock() - start, CLOCKS_PER_SEC / 10);
+  setrlimit(RLIMIT_NOFILE, &before);
+  close(line);
+  EXPECT_EQ(status_of(get(server_.port(), "/")), "HTTP/1.1 200 OK");
 }
 
 TEST_F(PageServerTest, SendsAnyRangeOfAFile) {

@@ -13,6 +13,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cerrno>
+#include <chrono>
 #include <cstdio>
 #include <cstring>
 #include <exception>
@@ -254,7 +255,10 @@ struct PageServer::Server {
       pollfd ready{listener, POLLIN, 0};
       if (poll(&ready, 1, kGlance) <= 0) continue;
       const int socket = accept4(listener, nullptr, nullptr, SOCK_CLOEXEC);
-      if (socket < 0) continue;
+      if (socket < 0) {  // no descriptor is free, and who asks stays
+        std::this_thread::sleep_for(std::chrono::milliseconds(kGlance));
+        continue;
+      }
       if (connections >= kMostConnections) {
         ::close(socket);
         continue;
