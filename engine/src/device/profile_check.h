@@ -39,7 +39,7 @@ struct ProfileFault {
 /// Is the encoder of the sensor's joint said to be finer than the register that tells of it?
 bool is_finer_than_told(const DeviceProfile& profile, const Sensor& sensor);
 
-/// The first fault, in the order of the file's fields.
+/// The first fault that is found.
 ProfileFault find_fault(const DeviceProfile& profile);
 
 }  // namespace lumbrical

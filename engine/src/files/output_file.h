@@ -34,6 +34,8 @@ class OutputFile {
   /// What was written so far, and the name it has, outlive a power cut.
   Status sync();
   /// Puts the file at its path, on the disk before it has that name. An error where another has come there.
+  /// After any other the file may stand at its path all the same, whole: then only the name may not outlive a
+  /// power cut.
   Status commit();
   /// Removes what was written, unless it has been committed.
   void discard();
@@ -49,7 +51,7 @@ class OutputFile {
 };
 
 /// Opens an Output at `path`, lets `write(out)` fill it and closes it; where any of that fails, or memory is
-/// wanting, nothing is left of it.
+/// wanting, nothing is left of it but what stands at `path` whole (OutputFile::commit).
 template <class Output, class Write>
 Status write_whole(const std::string& path, const Write& write) {
   Output out;
