@@ -1,6 +1,4 @@
 // The Python module: dtypes, meshes, and what is asked of them without a session.
-#include <cstring>
-
 #include "bind.h"
 #include "lumbrical/probe.h"
 #include "lumbrical/shapes.h"

@@ -145,7 +145,7 @@ void write_datagrams(const fs::path& folder) {
   status.has_dead_man = true;
   CommandDatagram command;
   command.session = 1;
-  write_feedback(command, status, std::array<float, 4 * kFingerCount>{}, 7, bytes);
+  write_feedback(command, status, std::array<float, kAngleCount>{}, 7, bytes);
   keep("feedback");
 }
 

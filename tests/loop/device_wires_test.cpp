@@ -78,7 +78,7 @@ class DatagramDevice {
  private:
   void serve() {
     std::array<std::byte, 4096> received;
-    std::array<float, 4 * kFingerCount> angle{};
+    std::array<float, kAngleCount> angle{};
     std::vector<std::byte> reply;
     while (!ending_) {
       sockaddr_in from{};
@@ -260,7 +260,7 @@ TEST(Datagrams, AreReadAsTheyWereWrittenAndNeverBeyondTheirEnd) {
   write_command(9, {4, output, made_of}, 3, datagram);
   EXPECT_FALSE(read_command(datagram, 3, command)) << "a number that is none";
 
-  std::array<float, 4 * kFingerCount> angle{};
+  std::array<float, kAngleCount> angle{};
   angle[19] = 0.5f;
   DeviceStatus status;
   status.has_dead_man = true;

@@ -38,7 +38,7 @@ bool read_command(std::span<const std::byte> datagram, std::size_t actuator_coun
 
 /// The answer to a command.
 void write_feedback(const CommandDatagram& command, const DeviceStatus& status,
-                    std::span<const float, 4 * kFingerCount> angle, std::uint32_t valid,
+                    std::span<const float, kAngleCount> angle, std::uint32_t valid,
                     std::vector<std::byte>& datagram);
 
 }  // namespace lumbrical

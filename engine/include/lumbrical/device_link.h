@@ -17,12 +17,12 @@ struct DeviceCommand {
 };
 
 struct DeviceFeedback {
-  std::int64_t asked = 0;       ///< when the request left: the angles may be as old as that
-  std::int64_t time = 0;        ///< when the reply came: they are no newer
-  std::int64_t held_since = 0;  ///< `time` of the first one since the device let go last; 0: never
-  std::array<float, 4 * kFingerCount> angle{};  ///< [rad] in the order of hand.h
-  std::uint32_t valid = 0;                      ///< bit i: angle i was measured and is plausible
-  std::uint32_t flags = 0;                      ///< DeviceFlag bits: why others are not
+  std::int64_t asked = 0;                  ///< when the request left: the angles may be as old as that
+  std::int64_t time = 0;                   ///< when the reply came: they are no newer
+  std::int64_t held_since = 0;             ///< `time` of the first one since the device let go last; 0: never
+  std::array<float, kAngleCount> angle{};  ///< [rad] in the order of hand.h
+  std::uint32_t valid = 0;                 ///< bit i: angle i was measured and is plausible
+  std::uint32_t flags = 0;                 ///< DeviceFlag bits: why others are not
   /// What the device did while it came to these angles: the command acknowledged before, or its safe values
   /// where it had let go of that.
   ActuatorArray acted{};

@@ -32,8 +32,8 @@ struct DeviceStatus {
 struct WireAnswer {
   std::int64_t asked = 0;  ///< [ns] steady clock: when the request for the angles left
   DeviceStatus status;
-  std::array<float, 4 * kFingerCount> angle{};  ///< [rad] in the order of hand.h
-  std::uint32_t valid = 0;                      ///< bit i: angle i was measured
+  std::array<float, kAngleCount> angle{};  ///< [rad] in the order of hand.h
+  std::uint32_t valid = 0;                 ///< bit i: angle i was measured
 };
 
 enum class WireOutcome : std::uint8_t {

@@ -200,7 +200,7 @@ Status WorldWriter::Build::open(std::function<bool()> stop) {
   if (Status status = check_execution(execution); !status.ok()) return status;
   if (Status status = file.open(path, std::move(stop)); !status.ok()) return status;
   for (std::size_t i = 0; i < arrays.size(); ++i) {
-    if (Status status = arrays[i].open(path + ".part" + std::to_string(i)); !status.ok()) return status;
+    if (Status status = arrays[i].open(path + kPartSuffix + std::to_string(i)); !status.ok()) return status;
   }
   return {};
 }
@@ -317,11 +317,11 @@ Status WorldWriter::Build::write_grid() {
   const Triangles triangles = triangles_in(end, mapped);
   CellSort sorted;
   SphereGrid grid;
-  if (Status status = sorted.open(path + ".part.sort", kSortMemory); !status.ok()) return status;
+  if (Status status = sorted.open(path + kPartSuffix + ".sort", kSortMemory); !status.ok()) return status;
   if (Status status = sort_by_cell(triangles, mapped, size, grid, sorted); !status.ok()) return status;
   GridWriter writer{triangles, execution, file};
-  if (Status status = writer.cells.open(path + ".part.cells"); !status.ok()) return status;
-  if (Status status = writer.heads.open(path + ".part.heads"); !status.ok()) return status;
+  if (Status status = writer.cells.open(path + kPartSuffix + ".cells"); !status.ok()) return status;
+  if (Status status = writer.heads.open(path + kPartSuffix + ".heads"); !status.ok()) return status;
   if (Status status = writer.write(sorted, mapped, size); !status.ok()) return status;
   if (Status status = file.fill_page(); !status.ok()) return status;
   if (Status status = copy_section(writer.cells, file); !status.ok()) return status;

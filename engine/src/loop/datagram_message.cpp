@@ -90,7 +90,7 @@ bool read_command(std::span<const std::byte> datagram, std::size_t actuator_coun
 }
 
 void write_feedback(const CommandDatagram& command, const DeviceStatus& status,
-                    std::span<const float, 4 * kFingerCount> angle, std::uint32_t valid,
+                    std::span<const float, kAngleCount> angle, std::uint32_t valid,
                     std::vector<std::byte>& datagram) {
   flatbuffers::FlatBufferBuilder builder(kMostDatagram);
   const auto angles = builder.CreateVector(angle.data(), angle.size());

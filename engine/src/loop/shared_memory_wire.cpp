@@ -21,7 +21,7 @@ namespace lumbrical {
 namespace {
 
 using Region = lumbrical_shared_device;
-static_assert(LUMBRICAL_SHARED_ACTUATORS == kMaxActuators && LUMBRICAL_SHARED_ANGLES == 4 * kFingerCount);
+static_assert(LUMBRICAL_SHARED_ACTUATORS == kMaxActuators && LUMBRICAL_SHARED_ANGLES == kAngleCount);
 
 constexpr timespec kGlance{0, 20000};  // between two looks for the answer
 

@@ -135,7 +135,7 @@ DeviceStatus ExchangeWords::status(const DeviceProfile& profile) const {
   return status;
 }
 
-void ExchangeWords::angles(const DeviceProfile& profile, std::array<float, 4 * kFingerCount>& angle,
+void ExchangeWords::angles(const DeviceProfile& profile, std::array<float, kAngleCount>& angle,
                            std::uint32_t& valid) const {
   valid = 0;
   for (const Sensor& sensor : profile.sensors) {

@@ -33,7 +33,7 @@ struct ExchangeWords {
   /// Whether `read_back` holds what was written to that part.
   [[nodiscard]] bool holds(const RegisterBlock& block, std::size_t at) const;
   [[nodiscard]] DeviceStatus status(const DeviceProfile& profile) const;
-  void angles(const DeviceProfile& profile, std::array<float, 4 * kFingerCount>& angle,
+  void angles(const DeviceProfile& profile, std::array<float, kAngleCount>& angle,
               std::uint32_t& valid) const;
 };
 

@@ -4,12 +4,13 @@
 #include <array>
 #include <cstddef>
 
+#include "lumbrical/device_profile.h"
+
 namespace lumbrical {
 namespace {
 
 constexpr std::size_t kLongestBody = 253;
 constexpr std::uint8_t kWriteRegisters = 16, kReadInputs = 4;
-constexpr int kMostRead = 125;
 
 std::uint16_t word(std::span<const std::uint8_t> bytes, std::size_t at) {
   return static_cast<std::uint16_t>(bytes[at] << 8 | bytes[at + 1]);
@@ -41,7 +42,7 @@ Bytes exception(std::uint8_t function, int code) {
 
 int read_words(const RegisterAccess& access, bool inputs, std::uint8_t unit, std::uint16_t address,
                std::uint16_t count, Bytes& answer) {
-  if (count < 1 || count > kMostRead) return kIllegalValue;
+  if (count < 1 || count > kMaxReadRegisters) return kIllegalValue;
   std::vector<std::uint16_t> words(count);
   const auto& read = inputs && access.read_inputs ? access.read_inputs : access.read;
   if (const int code = read(unit, address, words); code != 0) return code;
@@ -102,13 +103,13 @@ Bytes answer_request(const RegisterAccess& access, std::uint8_t unit, std::span<
       break;
     case 16:
       if (data.size() >= 4) {
-        code = write_words(access, unit, word(data, 0), data.subspan(2), 123);
+        code = write_words(access, unit, word(data, 0), data.subspan(2), kMaxWriteRegisters);
         answer.insert(answer.end(), data.begin(), data.begin() + 4);
       }
       break;
     case 23:
       if (data.size() >= 8) {
-        code = write_words(access, unit, word(data, 4), data.subspan(6), 121);
+        code = write_words(access, unit, word(data, 4), data.subspan(6), kMaxExchangeRegisters);
         if (code == 0) code = read_words(access, false, unit, word(data, 0), word(data, 2), answer);
       }
       break;

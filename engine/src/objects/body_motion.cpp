@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cmath>
+#include <numbers>
 #include <utility>
 
 #include "base/elementary.h"
@@ -11,7 +12,7 @@
 namespace lumbrical {
 namespace {
 
-constexpr double kPi = 3.141592653589793;
+constexpr double kPi = std::numbers::pi;
 constexpr std::array<Vec3, 3> kAxis = {Vec3{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
 
 // The speed of a body's point along a direction, as a row.

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cmath>
+#include <numbers>
 #include <span>
 
 #include "base/gauss.h"
@@ -269,7 +270,7 @@ void take_palm(const SweptPolygon& palm, double stiffness, const Pad& pad, Conta
   double hardness = 1;
   for (const PadLayer& layer : pad.layer)
     hardness += max(0, layer.stiffness) * (1 - layer.from) * (1 - layer.from);
-  patch.stiffness = hardness * (3.141592653589793 * stiffness * palm.radius * palm.radius);
+  patch.stiffness = hardness * (std::numbers::pi * stiffness * palm.radius * palm.radius);
 }
 
 bool is_joined(const Primitives& hand, std::size_t phalanx, bool outward) {

@@ -1,6 +1,7 @@
 #include "objects/palm_stiffness.h"
 
 #include <cmath>
+#include <numbers>
 
 #include "tick/felt_forces.h"
 
@@ -16,7 +17,7 @@ constexpr double kMost = 0.1;    // of the palm's radius
 
 // [m^2] Of the palm's shadow, its rim included.
 double area_of(const SweptPolygon& palm) {
-  double area = 3.141592653589793 * palm.radius * palm.radius;
+  double area = std::numbers::pi * palm.radius * palm.radius;
   Vec3 last = palm.corner[0];
   for (std::size_t i = palm.corner_count; i-- > 0;) {
     const Vec3 corner = palm.corner[i];
