@@ -153,6 +153,11 @@ struct Mistake {
 TEST(DeviceProfile, TellsEveryMistakeWithLineAndColumn) {
   const std::string at = R"("at": {"address": 5, "scale": 0.001}, )";
   const std::string joints = R"("joints": [{"joint": "index proximal"}])";
+  const auto local_at = [](const char* scale) {
+    return R"(, "local": {"angle": {"address": 6, "scale": )" + std::string(scale) +
+           R"(}, "stiffness": {"address": 7}, "radius": {"address": 8}})";
+  };
+  const std::string sensor = R"(, "sensors": [{"joint": "index proximal", "at": {"address": 9}}])";
   const Mistake mistakes[] = {
       {"{}", ":1:1:", "name is missing"},
       {R"({"name": "x"})", ":1:", "actuators must be 1 to 32"},
@@ -178,6 +183,10 @@ TEST(DeviceProfile, TellsEveryMistakeWithLineAndColumn) {
        ":3:", "leaves no room"},
       {profile_text(R"("at": {"address": 5, "scale": 0}, "upper": 1, )" + joints), ":3:", "not 0"},
       {profile_text(R"("at": {"address": 5, "unit": 248}, "upper": 1, )" + joints), ":3:", "must lie in"},
+      {profile_text(kMotor + local_at("0.00005")), ":3:", "too little for the limits"},
+      {profile_text(kMotor + local_at("0.00007"), sensor), ":3:",
+       "local.angle holds -2.29376 .. 2.29369, too little for lower .. upper of the joint's sensor, -0.8 .. "
+       "2.5"},
       {profile_text(kMotor, ",\n \"control\": {\"address\": 5}"), ":4:", "overlaps actuators[0].at"},
       {profile_text(kMotor, ",\n \"rate\": 0"), ":4:10:", "must lie in"},
       {profile_text(kMotor, ",\n \"rate\": 10"), ":4:10:", "would count as lost"},

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "device/registers.h"
 #include "device_fixture.h"
@@ -116,6 +117,27 @@ TEST(ExchangeWords, SendTheLocalModelOnlyWithTheTorqueItBelongsTo) {
   words.write(profile, {8, output, command});
   EXPECT_EQ(std::vector<std::uint16_t>(words.written.begin(), words.written.begin() + 6),
             (std::vector<std::uint16_t>{0, 8, 500, 5000, 0, 0}));
+}
+
+// A motion's, say, of a joint without a sensor.
+TEST(ExchangeWords, SendTheTorqueAloneAtAnAngleThatItsRegisterDoesNotHold) {
+  const DeviceProfile profile = test::shipped_profile("exoskeleton_serial");
+  ExchangeWords words(profile);
+  DeviceCommand command;
+  SafetyOutput output;
+  output.command[0] = command.wanted[0] = 0.1;
+  command.stiffness[0] = 2;
+  command.radius[0] = 0.05;
+  const auto model_at = [&](double angle) {
+    command.angle[0] = angle;
+    words.write(profile, {1, output, command});
+    return std::vector<std::uint16_t>(words.written.begin() + 2, words.written.begin() + 6);
+  };
+  EXPECT_EQ(model_at(3.2767), (std::vector<std::uint16_t>{1000, 32767, 2000, 500}));
+  EXPECT_EQ(model_at(3.3), (std::vector<std::uint16_t>{1000, 32767, 0, 0}));
+  EXPECT_EQ(model_at(-3.3), (std::vector<std::uint16_t>{1000, 0x8000, 0, 0}));
+  EXPECT_EQ(model_at(std::nan("")), (std::vector<std::uint16_t>{1000, 0, 0, 0}));
+  EXPECT_EQ(model_at(1), (std::vector<std::uint16_t>{1000, 10000, 2000, 500}));
 }
 
 }  // namespace

@@ -51,7 +51,7 @@ enum class Drive : std::uint8_t {
 /// What the device needs to close a fast loop of its own round a joint (local_model.h): three more numbers.
 struct LocalFields {
   bool present = false;
-  RegisterField angle;      ///< [rad] where `command` holds exactly
+  RegisterField angle;      ///< [rad] where `command` holds exactly; at least what its sensor may say
   RegisterField stiffness;  ///< [N m/rad] by which the torque grows as the joint closes
   RegisterField radius;     ///< [rad] how far from `angle` it may be trusted
 };

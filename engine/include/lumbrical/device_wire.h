@@ -89,7 +89,8 @@ class DeviceWire {
 struct LocalModel {
   double angle = 0, stiffness = 0, radius = 0;
 };
-/// Of actuator i. What the envelope has cut must not come back through the stiffness.
+/// Of actuator i. What the envelope has cut must not come back through the stiffness, and round an angle that
+/// is no number there is none.
 LocalModel local_model_of(const WireCommand& command, std::size_t i);
 
 }  // namespace lumbrical

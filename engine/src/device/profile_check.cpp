@@ -24,13 +24,13 @@ ProfileFault field_fault(const RegisterField& field, const std::string& path) {
   return {};
 }
 
-ProfileFault range_fault(const RegisterField& field, double low, double high, const std::string& path) {
+ProfileFault range_fault(const RegisterField& field, double low, double high, const std::string& path,
+                         const std::string& limits = "the limits") {
   if (ProfileFault fault = field_fault(field, path); !fault.what.empty()) return fault;
+  if (can_hold(field, low) && can_hold(field, high)) return {};
   const FieldRange range = field_range(field);
-  const double slack = 0.5 * std::fabs(field.scale);
-  if (low >= range.low - slack && high <= range.high + slack) return {};
-  return {path, "holds " + text_of(range.low) + " .. " + text_of(range.high) +
-                    ", too little for the limits; change type, scale or limits"};
+  return {path, "holds " + text_of(range.low) + " .. " + text_of(range.high) + ", too little for " + limits +
+                    "; change type, scale or limits"};
 }
 
 // Commands are told in counts: the one next to a command must not have to lie beyond a limit.
@@ -80,7 +80,20 @@ ProfileFault actuator_fault(const Actuator& actuator, const std::string& path) {
   return {};
 }
 
-ProfileFault fields_fault(const Actuator& actuator, const std::string& path) {
+// All that is believed of the driven joint. Where no sensor says that, what a finger does; the rest gets no
+// model.
+ProfileFault local_angle_fault(const DeviceProfile& profile, const Actuator& actuator,
+                               const std::string& path) {
+  for (const Sensor& sensor : profile.sensors) {
+    if (static_cast<std::size_t>(sensor.angle) != flexion_angle(driven_joint(actuator))) continue;
+    return range_fault(
+        actuator.local.angle, sensor.lower, sensor.upper, path,
+        "lower .. upper of the joint's sensor, " + text_of(sensor.lower) + " .. " + text_of(sensor.upper));
+  }
+  return range_fault(actuator.local.angle, -0.5, 2.0, path);
+}
+
+ProfileFault fields_fault(const DeviceProfile& profile, const Actuator& actuator, const std::string& path) {
   if (ProfileFault fault = range_fault(actuator.field, actuator.lower, actuator.upper, path + ".at");
       !fault.what.empty()) {
     return fault;
@@ -88,12 +101,13 @@ ProfileFault fields_fault(const Actuator& actuator, const std::string& path) {
   if (ProfileFault fault = counts_fault(actuator, path + ".at"); !fault.what.empty()) return fault;
   if (!actuator.local.present) return {};
   const LocalFields& local = actuator.local;
-  for (const auto& [field, low, high, name] : {std::tuple(&local.angle, -0.5, 2.0, ".local.angle"),
-                                               std::tuple(&local.stiffness, 0.0, 0.0, ".local.stiffness"),
-                                               std::tuple(&local.radius, 0.0, 0.1, ".local.radius")}) {
-    if (ProfileFault fault = range_fault(*field, low, high, path + name); !fault.what.empty()) return fault;
+  if (ProfileFault fault = local_angle_fault(profile, actuator, path + ".local.angle"); !fault.what.empty())
+    return fault;
+  if (ProfileFault fault = range_fault(local.stiffness, 0, 0, path + ".local.stiffness");
+      !fault.what.empty()) {
+    return fault;
   }
-  return {};
+  return range_fault(local.radius, 0, 0.1, path + ".local.radius");
 }
 
 // Two fields that write the same byte would fight; two halves of a register get along.
@@ -238,7 +252,8 @@ ProfileFault find_fault(const DeviceProfile& profile) {
     const std::string path = "actuators[" + std::to_string(i) + "]";
     if (ProfileFault fault = actuator_fault(profile.actuators[i], path); !fault.what.empty()) return fault;
     if (!registers) continue;
-    if (ProfileFault fault = fields_fault(profile.actuators[i], path); !fault.what.empty()) return fault;
+    if (ProfileFault fault = fields_fault(profile, profile.actuators[i], path); !fault.what.empty())
+      return fault;
   }
   if (ProfileFault fault = sensors_fault(profile); !fault.what.empty()) return fault;
   if (ProfileFault fault = dynamics_fault(profile); !fault.what.empty()) return fault;

@@ -56,6 +56,12 @@ FieldRange field_range(const RegisterField& field) {
   return {std::min(a, b), std::max(a, b)};
 }
 
+bool can_hold(const RegisterField& field, double value) {
+  const FieldRange range = field_range(field);
+  const double slack = 0.5 * std::fabs(field.scale);
+  return value >= range.low - slack && value <= range.high + slack;
+}
+
 bool encode_field(const RegisterField& field, double value, std::span<std::uint16_t> words) {
   assert(words.size() >= static_cast<std::size_t>(register_count(field.type)));
   const double raw = (value - field.offset) / field.scale;

@@ -16,6 +16,9 @@ struct FieldRange {
 };
 FieldRange field_range(const RegisterField& field);
 
+/// Whether encode_field cuts nothing of `value` but what is rounded off.
+bool can_hold(const RegisterField& field, double value);
+
 /// Writes `value`, rounded to the nearest count and cut to what the field can hold, into the field's
 /// register_count words; a u8 field leaves the other byte alone. False, and nothing written, if `value` is
 /// not finite.

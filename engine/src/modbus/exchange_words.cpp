@@ -41,6 +41,12 @@ void put_command(ExchangeWords& exchange, const Actuator& actuator, double value
   if (told < actuator.lower - kRounding * count) put(exchange, field, told + count);
 }
 
+// Round the nearest angle that its register can tell, the device would make of the model what no one meant.
+LocalModel tellable(const LocalFields& fields, LocalModel local) {
+  if (!can_hold(fields.angle, local.angle)) local.stiffness = local.radius = 0;
+  return local;
+}
+
 }  // namespace
 
 ExchangeWords::ExchangeWords(const DeviceProfile& profile) : plan(plan_exchange(profile)) {
@@ -67,7 +73,7 @@ void ExchangeWords::write(const DeviceProfile& profile, const WireCommand& comma
     const Actuator& actuator = profile.actuators[i];
     put_command(*this, actuator, output.command[i]);
     if (!actuator.local.present) continue;
-    const LocalModel local = local_model_of(command, i);
+    const LocalModel local = tellable(actuator.local, local_model_of(command, i));
     put(*this, actuator.local.angle, local.angle);
     put(*this, actuator.local.stiffness, local.stiffness);
     put(*this, actuator.local.radius, local.radius);
