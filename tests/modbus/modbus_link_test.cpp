@@ -3,6 +3,8 @@
 
 #include <fcntl.h>
 #include <gtest/gtest.h>
+#include <sys/file.h>
+#include <sys/ioctl.h>
 #include <termios.h>
 #include <unistd.h>
 
@@ -45,6 +47,15 @@ class ModbusLinkTest : public ::testing::Test {
     const Bytes reply = frame_rtu({0, 1, {}}, {3, 2, 0, value});
     EXPECT_EQ(write(end_, reply.data(), reply.size()), static_cast<ssize_t>(reply.size()));
   }
+  // From now on bytes are preceded by a 0, and a change of the line's settings is told by a byte.
+  void watch_settings() const {
+    termios settings{};
+    const int on = 1;
+    ASSERT_EQ(tcgetattr(end_, &settings), 0);
+    settings.c_lflag |= EXTPROC;
+    ASSERT_EQ(tcsetattr(end_, TCSANOW, &settings), 0);
+    ASSERT_EQ(ioctl(end_, TIOCPKT, &on), 0);
+  }
   Transport transport;
   ModbusLink link;
   const RegisterBlock block{1, 100, 1};
@@ -81,6 +92,17 @@ TEST_F(ModbusLinkTest, AnEmergencyStopDoesNotWaitForLateReplies) {
   const std::int64_t before = steady_ns();
   ASSERT_TRUE(link.open(transport, 60).ok());
   EXPECT_LT(in_seconds(steady_ns() - before), 30);
+}
+
+TEST_F(ModbusLinkTest, ASecondSessionOnALineIsRefusedBeforeItSetsTheLine) {
+  const int first = open(transport.line.c_str(), O_RDWR | O_NOCTTY | O_CLOEXEC);
+  ASSERT_EQ(flock(first, LOCK_EX), 0);
+  watch_settings();
+  EXPECT_NE(link.open(transport, 0.001).message().find("is in use by another session"), std::string::npos);
+  EXPECT_FALSE(hears());
+  close(first);
+  EXPECT_TRUE(link.open(transport, 0.001).ok());
+  EXPECT_TRUE(hears()) << "a line that is set says so here";
 }
 
 }  // namespace

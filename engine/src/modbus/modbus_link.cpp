@@ -2,6 +2,7 @@
 #include "modbus/modbus_link.h"
 
 #include <errno.h>
+#include <fcntl.h>
 #include <modbus/modbus.h>
 #include <poll.h>
 #include <sys/file.h>
@@ -92,14 +93,21 @@ Status ModbusLink::open_tcp(const Transport& transport, double timeout) {
   return Status::error(transport.host + ":" + port + ": " + in_words(error));
 }
 
+// Two sessions on a line would read each other's replies; and one that is refused must not have set the other
+// one's baud rate and parity, as libmodbus does when it connects.
+Status ModbusLink::lock_line(const std::string& line) {
+  lock_ = ::open(line.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
+  if (lock_ >= 0 && ::flock(lock_, LOCK_EX | LOCK_NB) == 0) return {};
+  return Status::error(line + ": " +
+                       (errno == EWOULDBLOCK ? "is in use by another session" : std::strerror(errno)));
+}
+
 Status ModbusLink::open_line(const Transport& transport, double timeout) {
+  if (Status status = lock_line(transport.line); !status.ok()) return status;
   context_.reset(modbus_new_rtu(transport.line.c_str(), static_cast<int>(transport.baud),
                                 static_cast<char>(transport.parity), 8, transport.stop_bits));
   if (!context_ || modbus_connect(context_.get()) != 0)
     return Status::error(transport.line + ": " + modbus_strerror(errno));
-  // Two sessions on a line would read each other's replies.
-  if (::flock(modbus_get_socket(context_.get()), LOCK_EX | LOCK_NB) != 0)
-    return Status::error(transport.line + ": is in use by another session");
   if (Status status = check_baud(modbus_get_socket(context_.get()), transport); !status.ok()) return status;
   silence_ = 3.5 * character_bits(transport) / transport.baud;
   await_late_replies(timeout);
@@ -123,7 +131,8 @@ std::int64_t ModbusLink::hurry_up(bool& hurried, std::int64_t end) const {
 
 void ModbusLink::close() {
   context_.reset();
-  file_ = -1;
+  if (lock_ >= 0) ::close(lock_);
+  file_ = lock_ = -1;
 }
 
 LinkResult ModbusLink::write(const RegisterBlock& block, const std::uint16_t* words) {

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <string>
 
 #include "lumbrical/device_profile.h"
 #include "lumbrical/device_wire.h"
@@ -27,6 +28,7 @@ struct LinkResult {
 
 class ModbusLink {
  public:
+  ~ModbusLink() { close(); }
   /// Connects within `timeout` [s]; to a serial line listens for as long, and forgets what comes: a late
   /// reply would pass for one to the first request. Refuses a serial line that did not take the baud rate
   /// (libmodbus then silently uses 9600).
@@ -43,6 +45,7 @@ class ModbusLink {
  private:
   Status open_tcp(const Transport& transport, double timeout);
   Status open_line(const Transport& transport, double timeout);
+  Status lock_line(const std::string& line);
   void await_late_replies(double timeout) const;
   std::int64_t hurry_up(bool& hurried, std::int64_t end) const;
   LinkResult transact(ModbusQuestion question, const std::uint16_t* sent, std::uint16_t* words);
@@ -54,6 +57,7 @@ class ModbusLink {
   };
   std::unique_ptr<_modbus, Free> context_;
   int file_ = -1;  // of the connection; libmodbus closes it
+  int lock_ = -1;  // the line, opened once more: held until libmodbus has put its settings back
   bool serial_ = false;
   double silence_ = 0;  // [s] between frames of a serial line
   std::uint16_t transaction_ = 0;
