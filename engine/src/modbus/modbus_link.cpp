@@ -53,6 +53,12 @@ std::string in_words(int error) {
   return modbus_strerror(error);
 }
 
+// libmodbus refuses 0.
+void set_timeout(modbus_t* context, std::int64_t span) {
+  const auto microseconds = static_cast<std::uint32_t>(std::max<std::int64_t>(span / 1000, 1));
+  modbus_set_response_timeout(context, microseconds / 1000000, microseconds % 1000000);
+}
+
 int character_bits(const Transport& transport) {
   return 9 + transport.stop_bits + (transport.parity == Parity::none ? 0 : 1);
 }
@@ -74,19 +80,20 @@ Status ModbusLink::open(const Transport& transport, double timeout) {
   return {};
 }
 
-// The first of the host's addresses that answers.
+// The first of the host's addresses that answers. Each gets its share of the time that is left, so that one
+// that says nothing doesn't take that of the others.
 Status ModbusLink::open_tcp(const Transport& transport, double timeout) {
   const std::string port = std::to_string(transport.port);
   std::vector<std::string> addresses;
   if (Status status = find_host(transport.host, transport.anywhere, addresses); !status.ok()) return status;
   int error = 0;
+  const std::int64_t end = steady_ns() + in_ns(timeout);
+  auto left = static_cast<std::int64_t>(addresses.size());
   for (const std::string& address : addresses) {
     context_.reset(modbus_new_tcp_pi(address.c_str(), port.c_str()));
     if (!context_) return Status::error(address + ": " + modbus_strerror(errno));
-    const auto seconds = static_cast<std::uint32_t>(timeout);
     modbus_set_error_recovery(context_.get(), MODBUS_ERROR_RECOVERY_NONE);
-    modbus_set_response_timeout(context_.get(), seconds,
-                                static_cast<std::uint32_t>((timeout - seconds) * 1e6));
+    set_timeout(context_.get(), (end - steady_ns()) / left--);
     if (modbus_connect(context_.get()) == 0) return {};
     error = errno;
   }

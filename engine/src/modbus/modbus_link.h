@@ -29,9 +29,9 @@ struct LinkResult {
 class ModbusLink {
  public:
   ~ModbusLink() { close(); }
-  /// Connects within `timeout` [s]; to a serial line listens for as long, and forgets what comes: a late
-  /// reply would pass for one to the first request. Refuses a serial line that did not take the baud rate
-  /// (libmodbus then silently uses 9600).
+  /// Connects within `timeout` [s] once the host is found, which its addresses share; to a serial line
+  /// listens for as long, and forgets what comes: a late reply would pass for one to the first request.
+  /// Refuses a serial line that did not take the baud rate (libmodbus then silently uses 9600).
   Status open(const Transport& transport, double timeout);
   void close();
 
