@@ -3,8 +3,10 @@
 
 #include <fcntl.h>
 #include <gtest/gtest.h>
+#include <netinet/in.h>
 #include <sys/file.h>
 #include <sys/ioctl.h>
+#include <sys/socket.h>
 #include <termios.h>
 #include <unistd.h>
 
@@ -103,6 +105,29 @@ TEST_F(ModbusLinkTest, ASecondSessionOnALineIsRefusedBeforeItSetsTheLine) {
   close(first);
   EXPECT_TRUE(link.open(transport, 0.001).ok());
   EXPECT_TRUE(hears()) << "a line that is set says so here";
+}
+
+// Linux drops requests to connect to a server whose queue is full.
+TEST(ModbusLink, AHostThatDoesNotAnswerIsToldWithWhatToCheck) {
+  std::array<int, 4> files{};
+  for (int& file : files) file = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
+  sockaddr_in place{};
+  place.sin_family = AF_INET;
+  place.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  auto* const address = reinterpret_cast<sockaddr*>(&place);
+  socklen_t size = sizeof place;
+  ASSERT_EQ(bind(files[0], address, size), 0);
+  ASSERT_EQ(listen(files[0], 0), 0);
+  ASSERT_EQ(getsockname(files[0], address, &size), 0);
+  for (std::size_t i = 1; i < files.size(); ++i) connect(files[i], address, size);
+  Transport transport;
+  transport.host = "127.0.0.1";
+  transport.port = ntohs(place.sin_port);
+  ModbusLink link;
+  const Status status = link.open(transport, 0.05);
+  EXPECT_NE(status.message().find("timed out: the host does not answer"), std::string::npos)
+      << status.message();
+  for (const int file : files) close(file);
 }
 
 }  // namespace

@@ -49,7 +49,8 @@ void sleep_for(double seconds) {
 std::string in_words(int error) {
   if (error == ECONNREFUSED)
     return "connection refused: nothing listens there; is the device on, the port right?";
-  if (error == ETIMEDOUT) return "timed out: the host does not answer; check cable, power and address";
+  if (error == ETIMEDOUT || error == EINPROGRESS)  // which is what libmodbus leaves when it gives up
+    return "timed out: the host does not answer; check cable, power and address";
   return modbus_strerror(error);
 }
 
