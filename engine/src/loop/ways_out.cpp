@@ -37,8 +37,10 @@ std::array<Death, 13> deaths = {{{SIGSEGV},
                                  {SIGIO, true}}};
 struct sigaction bus_errors_before {};
 
-volatile std::sig_atomic_t stop_asked = 0;
+std::atomic<bool> stop_asked{false};
 std::atomic<std::int64_t> asked_at{0};  // [ns]
+static_assert(decltype(stop_asked)::is_always_lock_free && decltype(asked_at)::is_always_lock_free,
+              "handlers write them, on whichever thread");
 
 std::atomic<void (*)()> last_act{nullptr};
 std::atomic<bool> dying{false};
@@ -74,9 +76,9 @@ extern "C" void mend_or_die(int signal, siginfo_t* info, void*) {
 extern "C" void request_stop(int signal) {
   const int error = errno;
   const std::int64_t now = steady_ns();
-  if (stop_asked == 0) {
+  if (!stop_asked) {
     asked_at = now;
-    stop_asked = 1;
+    stop_asked = true;
   } else if (in_seconds(now - asked_at) >= 1) {
     die(signal);
   }
@@ -147,7 +149,7 @@ void give_back_deaths() {
 }  // namespace
 
 StopSignals::StopSignals() {
-  stop_asked = 0;
+  stop_asked = false;
   struct sigaction action {};
   action.sa_handler = request_stop;
   action.sa_flags = SA_RESTART | SA_NODEFER;
@@ -160,7 +162,7 @@ StopSignals::StopSignals() {
 
 StopSignals::~StopSignals() {
   // What is left then takes a moment, in which the second of two signals must not kill.
-  if (stop_asked != 0) return;
+  if (stop_asked) return;
   for (std::size_t i = 0; i < kStops.size(); ++i) sigaction(kStops[i], &before_[i], nullptr);
 }
 
@@ -169,7 +171,7 @@ void mend_bus_errors(bool (*mend)(const void*) noexcept) {
   take_bus_errors();
 }
 
-bool stop_requested() { return stop_asked != 0; }
+bool stop_requested() { return stop_asked; }
 
 void before_dying(void (*act)()) {
   last_act = act;
