@@ -50,8 +50,8 @@ std::atomic<bool (*)(const void*) noexcept> mend_page{nullptr};
 alignas(16) std::array<std::byte, 65536> spare_stack;
 
 extern "C" void die(int signal) {
+  if (last_act != nullptr) dying = true;  // before it is taken: who finds none then waits for it
   if (void (*const act)() = last_act.exchange(nullptr); act != nullptr) {
-    dying = true;
     act();
   } else if (dying) {  // another thread is at it
     const timespec pause{3, 0};
