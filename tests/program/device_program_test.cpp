@@ -47,10 +47,14 @@ std::string wait_for(const std::string& text, const std::string& file, int times
 
 // For shell(): waits until the device at $port has been told a torque of more than 2 N mm, which it is asked
 // for by reading the registers of all fifteen.
-const std::string kWaitForForces = test::wait_until(
+const std::string kTorques =
     R"(bash -c "exec 3<>/dev/tcp/127.0.0.1/$port && printf )"
     R"('\0\7\0\0\0\6\1\3\0\2\0\17' >&3 && head -c 39 <&3 | tail -c 30" 2>/dev/null | )"
-    R"(od -An -v -w2 -td2 --endian=big | awk '$1 * $1 > 400 { found = 1 } END { exit !found }')");
+    R"(od -An -v -w2 -td2 --endian=big | )";
+const std::string kWaitForForces =
+    test::wait_until(kTorques + "awk '$1 * $1 > 400 { found = 1 } END { exit !found }'");
+const std::string kWaitForNoForces =
+    test::wait_until(kTorques + "awk '$1 != 0 { found = 1 } END { exit NR < 15 || found }'");
 
 // Starts sim-device, waits for its address in $port or for its terminal, runs `body`, and ends it by SIGINT;
 // its figures are in sim.json, its end in `wait`. Before, the device goes on for longer than its watchdog
@@ -288,6 +292,23 @@ TEST(DeviceProgram, KilledOutrightItsGuardLetsGoOfADeviceThatHasNoWatchdog) {
   const std::string error = kill_by("KILL", fresh_folder(), "", "guard: closed", "100");
   EXPECT_NE(error.find("guard: the session has ended without letting go"), std::string::npos) << error;
   EXPECT_NE(error.find("guard: " + kClosed), std::string::npos) << error;
+}
+
+// Whom the session's terminal has left.
+TEST(DeviceProgram, TheGuardLetsGoThoughNobodyReadsWhatItSays) {
+  const auto folder = fresh_folder();
+  write_inputs(folder);
+  const std::string body =
+      "lumbrical run scene.json --rate 100 --sink "
+      "\"modbus-tcp://127.0.0.1:$port?profile=device.json&guard=off\" " +
+      kManyTicks + ">run.out 2>run.err & run=$!; " + kWaitForForces + "kill -KILL $run; wait $run; " +
+      "mkfifo full; exec 9<>full; dd if=/dev/zero of=full oflag=nonblock bs=4096 count=100 2>/dev/null; "
+      "lumbrical guard \"modbus-tcp://127.0.0.1:$port?profile=device.json\" </dev/null 2>full & guard=$!; " +
+      kWaitForNoForces + "kill -KILL $guard; wait $guard; true";
+  shell(with_device("--tcp 0 --watchdog 100", body), folder);
+  const json sim = sim_figures(folder);
+  EXPECT_GT(largest(sim, "peak_torque"), 0.001) << "there was something to fade";
+  EXPECT_EQ(largest(sim, "torque"), 0);
 }
 
 const std::string kShippedProfile = LUMBRICAL_SOURCE_DIR "/examples/devices/shared_memory.json";

@@ -25,22 +25,22 @@ int guard(const std::string& text) {
   DeviceProfile profile;
   if (Status status = parse_sink_uri(text, uri); !status.ok()) return fail(status);
   if (Status status = load_profile(uri, profile); !status.ok()) return fail(status);
+  std::unique_ptr<DeviceWire> wire;
+  if (Status status = make_wire(profile, wire); !status.ok()) return fail(status);
   if (!bereaved()) return kDone;
-  std::fprintf(stderr, "guard: the session has ended without letting go of %s; letting go of it\n",
-               printable(profile.name).c_str());
   SinkOptions options;
   options.arm = false;
   options.take_over = true;
   options.thread = true;
   DeviceSink sink;
-  std::unique_ptr<DeviceWire> wire;
-  if (Status status = make_wire(profile, wire); !status.ok()) return fail(status);
   if (Status status = sink.open(profile, std::move(wire), options); !status.ok()) return fail(status);
   const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(kPersistence);
   while (!sink.is_safe() && std::chrono::steady_clock::now() < end) {
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
-  const bool safe = sink.close();
+  const bool safe = sink.close();  // before a word is said, which may find no one who reads it
+  std::fprintf(stderr, "guard: the session has ended without letting go of %s; what was done about it:\n",
+               printable(profile.name).c_str());
   for (const SinkEvent& event : sink.events())
     std::fprintf(stderr, "guard: %s\n", printable(event.text).c_str());
   return safe ? kDone : kNoForces;
