@@ -22,6 +22,7 @@
 #include <stdexcept>
 #include <string>
 #include <thread>
+#include <vector>
 
 namespace lumbrical {
 namespace {
@@ -179,11 +180,25 @@ TEST(WaysOut, AWorldFileThatIsCutWhileMappedReadsAsZerosAndIsToldSo) {
   EXPECT_EQ(death.wrote, "") << "no way out, but a mishap";
 }
 
+// Says that it stands guard, and ends.
+const std::vector<std::string> kBriefGuard = {"/bin/sh", "-c", "printf r >&0"};
+
+TEST(WaysOut, AGuardThatEndsBeforeItStandsGuardIsNone) {
+  DeviceGuard guard;
+  for (int i = 0; i < 2; ++i) {
+    EXPECT_EQ(guard.start({"/bin/true"}).message(),
+              "no guard: /bin/true: ended before it stood guard, and may have said why");
+  }
+  EXPECT_EQ(guard.start({"/nowhere"}).message(), "no guard: /nowhere: No such file or directory");
+  EXPECT_TRUE(guard.start(kBriefGuard).ok());
+  guard.dismiss();
+}
+
 TEST(WaysOut, DismissingAGuardThatIsGoneIsNone) {
   const Death death = die_by([] {
     std::signal(SIGPIPE, SIG_DFL);
     DeviceGuard guard;
-    if (!guard.start({"/bin/true"}).ok()) raise(SIGKILL);
+    if (!guard.start(kBriefGuard).ok()) raise(SIGKILL);
     siginfo_t gone{};
     waitid(P_ALL, 0, &gone, WEXITED | WNOWAIT);
     guard.dismiss();

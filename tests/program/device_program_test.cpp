@@ -311,6 +311,18 @@ TEST(DeviceProgram, TheGuardLetsGoThoughNobodyReadsWhatItSays) {
   EXPECT_EQ(largest(sim, "torque"), 0);
 }
 
+// Which it can read no second time.
+TEST(DeviceProgram, ASessionWhoseGuardCannotReadTheProfileDoesNotBegin) {
+  const auto folder = fresh_folder();
+  write_inputs(folder);
+  const Outcome refused = shell(
+      "lumbrical run scene.json --ticks 20 --sink 'modbus-tcp://127.0.0.1:1?profile=/dev/stdin' <device.json",
+      folder);
+  EXPECT_EQ(refused.exit_code, 2) << refused.output;
+  EXPECT_NE(refused.error.find("ended before it stood guard"), std::string::npos) << refused.error;
+  EXPECT_NE(refused.error.find("guard=off goes without"), std::string::npos) << refused.error;
+}
+
 const std::string kShippedProfile = LUMBRICAL_SOURCE_DIR "/examples/devices/shared_memory.json";
 
 // Of a device without registers.

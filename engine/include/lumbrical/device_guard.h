@@ -21,7 +21,8 @@ class DeviceGuard {
   DeviceGuard(const DeviceGuard&) = delete;
   DeviceGuard& operator=(const DeviceGuard&) = delete;
 
-  /// `command`: the program, by its path, and its arguments. It reads the pipe as its standard input.
+  /// `command`: the program, by its path, and its arguments. It reads the pipe as its standard input, and has
+  /// 5 s to say there that it stands guard (bereaved); otherwise, or if it ends before, there is no guard.
   Status start(std::vector<std::string> command);
   void dismiss();  ///< the device is at safe values: the guard ends
 
@@ -30,7 +31,8 @@ class DeviceGuard {
   pid_t process_ = -1;
 };
 
-/// In that program: waits for the end of the pipe. True: it came without dismiss().
+/// In that program, once it has all that it needs to reach the device: says so, by a byte written to its
+/// standard input, which is a socket, and waits for the end of the pipe. True: it came without dismiss().
 bool bereaved();
 
 }  // namespace lumbrical
