@@ -164,6 +164,23 @@ TEST(DeviceProgram, AnglesThatCannotBeLetForcesFadeAndAreFlaggedInTheRecording) 
   EXPECT_EQ(last, 0);
 }
 
+TEST(DeviceProgram, ADeviceThatReportsAFaultOrHangsInATouchLetsForcesFade) {
+  for (const auto& [fault, told] :
+       {std::pair("broken", "the device reports a fault"), std::pair("hung", "heartbeat not echoed")}) {
+    const auto folder = fresh_folder();
+    write_inputs(folder);
+    const std::string body = kRun + kManyTicks + ">run.out 2>run.err & run=$!; " +
+                             wait_for(std::string("active -> fault: .*") + told, "run.err") +
+                             "kill -INT $run; wait $run";
+    shell(with_device(std::string("--tcp 0 --fault-after 0 --device-fault ") + fault, body), folder);
+    const std::string error = test::read_file((folder / "run.err").string());
+    EXPECT_NE(error.find(told), std::string::npos) << error;
+    const json sim = sim_figures(folder);
+    EXPECT_GT(largest(sim, "peak_torque"), 0) << "it began with a touch";
+    EXPECT_EQ(largest(sim, "torque"), 0);
+  }
+}
+
 // What the sink's URI may leave out is left out.
 TEST(DeviceProgram, GoesWithoutForcesOrWithoutAHeartbeatFeedbackAndProtectionsIfTold) {
   const auto run = [](const std::string& parameters, const std::filesystem::path& folder) {

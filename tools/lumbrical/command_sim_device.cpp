@@ -23,7 +23,7 @@ struct SimOptions {
   std::uint32_t baud = 115200;
   double seconds = 0, delay = 0, jitter = 0;
   std::optional<double> fault_after;  // [s] of touch; none: from the start
-  std::string sensor_fault = "none";
+  std::string sensor_fault = "none", device_fault = "none";
   SimulationOptions simulation;
   bool json = false;
 };
@@ -148,7 +148,10 @@ int simulate(SimOptions options) {
         look(now, worn);
         const bool felt = worn.torque != JointArray{};
         if (felt && !fault_at) fault_at = now.time() + *options.fault_after;
-        if (fault_at && now.time() >= *fault_at) now.break_sensors(fault);
+        if (!fault_at || now.time() < *fault_at) return;
+        now.break_sensors(fault);
+        now.break_down(options.device_fault == "broken");
+        now.hang(options.device_fault == "hung");
       });
   leave_real_time(real_time);
   server.close();
@@ -195,8 +198,13 @@ void add_sim_device(Command& app, int& exit_code) {
       ->check(one_of({"none", "stuck", "jumping", "out-of-range"}))
       ->capture_default_str();
   command
+      ->add_option("--device-fault", options->device_fault,
+                   "What ails it: broken says so and lets go; hung answers, but its program stands still")
+      ->check(one_of({"none", "broken", "hung"}))
+      ->capture_default_str();
+  command
       ->add_option("--fault-after", options->fault_after,
-                   "When that begins: after the first torque [s]; without, from the start")
+                   "When these begin: after the first torque [s]; without, from the start")
       ->check(number_in(0, 1e9));
   command->add_flag("--json", options->json, "Print one JSON object at the end");
   command->callback([options, &exit_code] { exit_code = simulate(*options); });
