@@ -12,12 +12,11 @@ namespace lumbrical {
 using ActuatorArray = std::array<double, kMaxActuators>;
 
 struct ActuatorSolution {
-  ActuatorArray command{};        ///< each in its own unit, within what the actuator can do while active
-  JointArray torque{};            ///< [N m] opening torque these commands make
-  JointArray lost{};              ///< [N m] wanted minus made
-  double lost_norm = 0;           ///< [N m] root of the sum of squares
-  std::uint32_t saturated = 0;    ///< bit i: actuator i is at its upper end or, for motors, its lower end
-  std::uint32_t unreachable = 0;  ///< bit j: a torque is wanted at joint j and no actuator is tied to it
+  ActuatorArray command{};      ///< each in its own unit, within what the actuator can do while active
+  JointArray torque{};          ///< [N m] opening torque these commands make
+  JointArray lost{};            ///< [N m] wanted minus made
+  double lost_norm = 0;         ///< [N m] root of the sum of squares
+  std::uint32_t saturated = 0;  ///< bit i: actuator i is at its upper end or, for motors, its lower end
 };
 
 /// Commands whose torques come closest to `wanted` [N m, opening] in the sense of least squares: motors

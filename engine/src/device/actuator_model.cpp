@@ -157,23 +157,19 @@ Problem normal_equations(const Effects& effects) {
 ActuatorSolution solution_of(const DeviceProfile& profile, const JointArray& wanted, const Effects& effects,
                              const ActuatorArray& share) {
   ActuatorSolution solution;
-  JointArray tied{};
   for (int i = 0; i < effects.size; ++i) {
     const Actuator& actuator = profile.actuators[i];
     const double base = effects.base[i];
     solution.command[i] = clamp(base + effects.range[i] * share[i], base, actuator.upper);
     const bool low_end = share[i] <= 0 && actuator.drive == Drive::motor;
     if (share[i] >= 1 || low_end) solution.saturated |= 1u << i;
-    for (std::size_t j = 0; j < kPhalanxCount; ++j) {
+    for (std::size_t j = 0; j < kPhalanxCount; ++j)
       solution.torque[j] += effects.torque[i][j] * solution.command[i];
-      tied[j] += std::fabs(actuator.arm[j]);
-    }
   }
   double squares = 0;
   for (std::size_t j = 0; j < kPhalanxCount; ++j) {
     solution.lost[j] = wanted[j] - solution.torque[j];
     squares += solution.lost[j] * solution.lost[j];
-    if (wanted[j] != 0 && tied[j] == 0) solution.unreachable |= 1u << j;
   }
   solution.lost_norm = std::sqrt(squares);
   return solution;
