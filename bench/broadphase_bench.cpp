@@ -16,8 +16,8 @@
 #include "index/sphere_tree.h"
 #include "index/voxel_index.h"
 #include "kept.h"
+#include "pose_hand.h"
 #include "pressed_hand.h"
-#include "stages/hand_pose.h"
 
 namespace {
 
@@ -77,7 +77,8 @@ void make_session(const Scene& scene, Broadphase broadphase, Session& session) {
   session.hands.resize(kPoses);
   for (int i = 0; i < kPoses; ++i) {
     const DeviceFrame frame = frame_at(scene.hand, i);
-    pose_hand(session.model.hand, session.model.settings, frame, session.hands[static_cast<std::size_t>(i)]);
+    test::pose_hand(session.model.hand, session.model.settings, frame,
+                    session.hands[static_cast<std::size_t>(i)]);
     session.contacts += tick(session.model, state, session.scratch, frame).contact_count / double{kPoses};
     session.candidates += session.scratch.candidate_count / double{kPoses};
   }

@@ -9,10 +9,10 @@
 #include <string>
 #include <vector>
 
+#include "pose_hand.h"
 #include "pressed_hand.h"
 #include "search/near_pairs.h"
 #include "stages/broadphase.h"
-#include "stages/hand_pose.h"
 #include "timing.h"
 
 namespace {
@@ -27,8 +27,8 @@ std::vector<Primitives> poses(const Model& model, double step) {
   std::vector<Primitives> hands(kTicks);
   for (int i = 0; i < kTicks; ++i) {
     const double time = i * step / kCircle, depth = 0.002 + 0.001 * std::sin(6.28 * time);
-    pose_hand(model.hand, model.settings, test::pressed_frame(model.hand, depth, time),
-              hands[static_cast<std::size_t>(i)]);
+    test::pose_hand(model.hand, model.settings, test::pressed_frame(model.hand, depth, time),
+                    hands[static_cast<std::size_t>(i)]);
   }
   return hands;
 }

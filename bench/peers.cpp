@@ -22,8 +22,8 @@
 #include "peer.h"
 #include "peer_table.h"
 #include "peer_truth.h"
+#include "pose_hand.h"
 #include "read_number.h"
-#include "stages/hand_pose.h"
 #include "timing.h"
 #include "usage.h"
 
@@ -238,7 +238,7 @@ Task make_task(Touch touch, bool fine, std::uint32_t cells, int poses) {
   task.frames = touching_frames(task.scene.hand, touch, fine ? test::kWidthA : test::kCellB * cells, poses);
   Primitives hand;
   for (const DeviceFrame& frame : task.frames) {
-    pose_hand(task.scene.hand, task.scene.settings, frame, hand);
+    test::pose_hand(task.scene.hand, task.scene.settings, frame, hand);
     std::vector<Primitive>& capsules = task.capsules.emplace_back();
     for (std::size_t k = 0; k < kPhalanxCount; ++k) {
       if (hand.present[k]) capsules.push_back(hand.capsule[k]);

@@ -7,10 +7,10 @@
 #include <vector>
 
 #include "lumbrical/batch.h"
+#include "pose_hand.h"
 #include "pressed_hand.h"
 #include "session.h"
 #include "stages/broadphase.h"
-#include "stages/hand_pose.h"
 #include "stages/narrowphase.h"
 
 namespace {
@@ -33,7 +33,7 @@ Work work_of(std::uint32_t cells, std::uint32_t threads) {
   work.scratch = make_scratch(work.model);
   work.scratch.keep_near = false;
   work.frame = test::pressed_frame(scene.hand, 0.002, 0.1);
-  pose_hand(work.model.hand, work.model.settings, work.frame, work.hand);
+  test::pose_hand(work.model.hand, work.model.settings, work.frame, work.hand);
   find_candidates(work.model, work.hand, work.scratch);
   return work;
 }

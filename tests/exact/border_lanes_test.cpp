@@ -13,10 +13,10 @@
 #include "borders/joint_border.h"
 #include "borders/root.h"
 #include "loose_triangles.h"
+#include "pose_hand.h"
 #include "posed_finger.h"
 #include "random.h"
 #include "simd/lane_vectors.h"
-#include "stages/hand_pose.h"
 
 namespace lumbrical {
 namespace {
@@ -41,7 +41,7 @@ Primitives random_finger(test::Random& random) {
   const Pose X = random.pose(0.1);
   for (Vec3& p : joint) p = transform(X, p);
   Primitives primitives;
-  pose_hand(hand, {}, test::finger_frame(joint), primitives);
+  test::pose_hand(hand, {}, test::finger_frame(joint), primitives);
   return primitives;
 }
 

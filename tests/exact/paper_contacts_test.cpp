@@ -4,10 +4,10 @@
 
 #include "borders/general_contact.h"
 #include "mesh_world.h"
+#include "pose_hand.h"
 #include "posed_finger.h"
 #include "random_pairs.h"
 #include "section/depth.h"
-#include "stages/hand_pose.h"
 #include "stages/narrowphase.h"
 
 namespace lumbrical::test {

@@ -10,9 +10,9 @@
 #include "finger_reference.h"
 #include "mesh_world.h"
 #include "model/corners.h"
+#include "pose_hand.h"
 #include "posed_finger.h"
 #include "random.h"
-#include "stages/hand_pose.h"
 #include "stages/narrowphase.h"
 
 namespace lumbrical::test {

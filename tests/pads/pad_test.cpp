@@ -6,8 +6,8 @@
 #include "largest.h"
 #include "lumbrical/jacobian.h"
 #include "pads.h"
+#include "pose_hand.h"
 #include "pressed_hand.h"
-#include "stages/hand_pose.h"
 #include "stages/pad_damping.h"
 #include "stages/segment_speeds.h"
 
@@ -216,7 +216,7 @@ TEST(Pad, DampingGoesOnWhereATrackerHoldsItsSamples) {
 TEST(Pad, DampingIsNoFasterThanTheSkinHoweverLittleForceIsLeft) {
   const Session run(plane_scene(kDamped));
   Primitives hand;
-  pose_hand(run.model.hand, run.model.settings, upright(0.003), hand);
+  test::pose_hand(run.model.hand, run.model.settings, upright(0.003), hand);
   const double reach = 0.02 + kPadRadius;  // of the skin from the joint
   double last = 0;
   for (int i = -1000; i <= 1000; ++i) {

@@ -10,11 +10,11 @@
 
 #include "box_palm.h"
 #include "exact/exact_kernels.h"
+#include "pose_hand.h"
 #include "pressed_hand.h"
 #include "random.h"
 #include "session.h"
 #include "stages/broadphase.h"
-#include "stages/hand_pose.h"
 
 namespace lumbrical::test {
 namespace {

@@ -12,11 +12,11 @@
 #include "model/primitive.h"
 #include "own_allocator.h"
 #include "pads.h"
+#include "pose_hand.h"
 #include "pressed_hand.h"
 #include "random.h"
 #include "session.h"
 #include "stages/broadphase.h"
-#include "stages/hand_pose.h"
 #include "stages/narrowphase.h"
 #include "tick/tick_trace.h"
 
@@ -262,7 +262,7 @@ TEST(Tick, AHandThatIsLeftUnshapedWouldHaveTouchedNothing) {
       if (!hand.out_of_reach) continue;
       ++unshaped;
       EXPECT_EQ(hand.count, 0u);
-      pose_hand(model.hand, model.settings, frame, hand);
+      test::pose_hand(model.hand, model.settings, frame, hand);
       EXPECT_GT(hand.count, 0u);
       ASSERT_TRUE(find_candidates(model, hand, scratch));
       ASSERT_EQ(

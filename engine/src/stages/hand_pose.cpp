@@ -232,12 +232,4 @@ void tile_hand(const Settings& settings, Primitives& primitives) {
   if (primitives.joints.has(kPalm)) add_palm_parts(primitives.palm, settings.law[kPalmSegment], primitives);
 }
 
-std::uint32_t pose_hand(const Hand& hand, const Settings& settings, const DeviceFrame& frame,
-                        Primitives& primitives) {
-  const std::uint32_t flags = place_hand(hand, settings, frame, primitives);
-  shape_hand(hand, primitives);
-  tile_hand(settings, primitives);
-  return flags;
-}
-
 }  // namespace lumbrical

@@ -32,8 +32,4 @@ void shape_hand(const Hand& hand, Primitives& primitives);
 /// unless it was done: for the exact rung.
 void tile_hand(const Settings& settings, Primitives& primitives);
 
-/// All three: `place_hand`, `shape_hand` and `tile_hand`.
-std::uint32_t pose_hand(const Hand& hand, const Settings& settings, const DeviceFrame& frame,
-                        Primitives& primitives);
-
 }  // namespace lumbrical
