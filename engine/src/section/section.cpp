@@ -97,6 +97,20 @@ void set_flat_zone(Section& section) {
   add_zone(Zone::side, lower, upper, 0, (radius - s * h1) * (radius + s * h1), -c * s * h1, c * c, section);
 }
 
+// Where in x a round section's first zone ends and its last begins. At abscissa x the sphere of the hull
+// that reaches farthest in y is the one at parameter t(x) = (g + x x2) / G along the axis, g = r1 dr - h1
+// dh, G = H^2 - dr^2: linear in x and clamped to [0, 1], which makes three zones.
+struct Borders {
+  double first, second;
+};
+Borders zone_borders(const Section& section) {
+  const double dr = section.radius2 - section.radius1, dh = section.h2 - section.h1;
+  const double G = (section.length - dr) * (section.length + dr);
+  const double g = section.radius1 * dr - section.h1 * dh;
+  if (section.x2 > 0) return {-g / section.x2, (G - g) / section.x2};
+  return {g >= 0 ? -kInfinity : kInfinity, g >= G ? -kInfinity : kInfinity};
+}
+
 // The hull of two spheres.
 void set_round_zones(Section& section) {
   const double r1 = section.radius1, h1 = section.h1, x2 = section.x2;
@@ -161,14 +175,6 @@ bool normal_of(const Corners& at, Vec3& n) {
   if (!(length > kNoNormal * longest) || !(longest < 1e150) || !(length > 1e-290)) return false;
   n = normal / length;
   return true;
-}
-
-Borders zone_borders(const Section& section) {
-  const double dr = section.radius2 - section.radius1, dh = section.h2 - section.h1;
-  const double G = (section.length - dr) * (section.length + dr);
-  const double g = section.radius1 * dr - section.h1 * dh;
-  if (section.x2 > 0) return {-g / section.x2, (G - g) / section.x2};
-  return {g >= 0 ? -kInfinity : kInfinity, g >= G ? -kInfinity : kInfinity};
 }
 
 Interval positive_interval(double a, double b, double c, double lower, double upper) {

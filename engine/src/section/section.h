@@ -65,14 +65,6 @@ struct Section {
   Polygon2 polygon;          ///< the triangle, cut by the primitive's half-spaces
 };
 
-/// Where in x a round section's first zone ends and its last begins. At abscissa x the sphere of the hull
-/// that reaches farthest in y is the one at parameter t(x) = (g + x x2) / G along the axis, g = r1 dr - h1
-/// dh, G = H^2 - dr^2: linear in x and clamped to [0, 1], which makes three zones.
-struct Borders {
-  double first, second;
-};
-Borders zone_borders(const Section& section);
-
 /// Outward unit normal of a triangle; false where it has no area to speak of or isn't finite.
 bool normal_of(const Corners& at, Vec3& n);
 
