@@ -4,7 +4,6 @@
 
 #include <array>
 
-#include "base/gauss.h"
 #include "borders/root.h"
 #include "section/field.h"
 #include "section/stated_errors.h"

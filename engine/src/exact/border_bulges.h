@@ -2,6 +2,7 @@
 // between it and the border, one source for every instruction set. A tile's border in a triangle is a lane.
 #pragma once
 
+#include "base/gauss.h"
 #include "exact/border_chord.h"
 #include "exact/field_across.h"
 

@@ -14,6 +14,7 @@
 // What cancels in P is rounding of R over the sliver's area: less than the polygon's own formulas leave.
 #pragma once
 
+#include "base/gauss.h"
 #include "exact/cone_integrals.h"
 
 namespace lumbrical::LUMBRICAL_ISA {

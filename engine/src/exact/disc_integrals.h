@@ -11,6 +11,7 @@
 // E(h). First moments: the potentials (rho^2 - r^2) / 2 and E vanish on the rim, so only edges contribute.
 #pragma once
 
+#include "base/gauss.h"
 #include "exact/round_polygon.h"
 
 namespace lumbrical::LUMBRICAL_ISA {

@@ -2,6 +2,7 @@
 // a lane.
 #pragma once
 
+#include "base/gauss.h"
 #include "exact/crossing_terms.h"
 #include "exact/round_plane.h"
 

@@ -7,6 +7,7 @@
 // leave about (2 + 4 d / l)^(-2 n); lanes for which sixteen on half a piece would not do are given up.
 #pragma once
 
+#include "base/gauss.h"
 #include "exact/cone_integrals.h"
 #include "exact/strip_integrals.h"
 

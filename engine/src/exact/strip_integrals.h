@@ -9,6 +9,7 @@
 // end.
 #pragma once
 
+#include "base/gauss.h"
 #include "exact/strip_terms.h"
 #include "simd/wide_geometry.h"
 

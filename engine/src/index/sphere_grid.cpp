@@ -8,6 +8,7 @@
 #include "base/parallel.h"
 #include "base/parallel_sort.h"
 #include "index/sphere_tree.h"
+#include "index/triangle_bound.h"
 
 namespace lumbrical {
 namespace {

@@ -6,7 +6,6 @@
 #include <span>
 #include <vector>
 
-#include "index/triangle_bound.h"
 #include "lumbrical/model.h"
 
 namespace lumbrical {

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 
-#include "index/sphere_grid.h"
 #include "index/sphere_tree.h"
 #include "index/voxel_index.h"
 #include "model/corners.h"

@@ -6,7 +6,6 @@
 #include <span>
 
 #include "exact/exact_kernels.h"
-#include "lumbrical/contact.h"
 #include "lumbrical/search_memory.h"
 #include "model/primitive.h"
 #include "search/near_pairs.h"

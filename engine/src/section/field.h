@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include "section/boundary_integral.h"
-#include "section/pressure.h"
 
 namespace lumbrical {
 

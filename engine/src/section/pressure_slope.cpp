@@ -11,6 +11,7 @@
 #include "base/elementary.h"
 #include "section/boundary_integral.h"
 #include "section/field.h"
+#include "section/pressure.h"
 #include "section/small_region.h"
 
 namespace lumbrical {

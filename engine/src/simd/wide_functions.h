@@ -1,7 +1,6 @@
 // Elementary functions of wide numbers, for kernels.
 #pragma once
 
-#include "base/gauss.h"
 #include "simd/wide.h"
 
 namespace lumbrical::LUMBRICAL_ISA {

@@ -15,8 +15,8 @@
 #include "exact/round_pairs.h"
 #include "exact/slab_pairs.h"
 #include "exact/through_lanes.h"
+#include "model/swept_polygon.h"
 #include "section/finger_depth.h"
-#include "section/slab.h"
 
 namespace lumbrical {
 namespace {
