@@ -2,6 +2,7 @@
 #pragma once
 
 #include "exact/round_terms.h"
+#include "section/plane_limits.h"
 #include "section/stated_errors.h"
 #include "simd/wide_geometry.h"
 
@@ -35,31 +36,35 @@ struct RoundPlane {
   V rounded;         // [m] what rounding leaves in these heights
 };
 
-// Sine of the axis angle below which the direction of the projected axis is rounding noise, and twice the
-// area over the longest edge squared below which the normal is.
+// What rounding leaves, as a share.
 template <class V>
 inline V rounding() {
-  return number<V>(sizeof(NumberOf<V>) == 8 ? 1e-15 : 5e-7);
+  return number<V>(1e-15);
 }
 
 // Farther than anything.
 template <class V>
 inline V beyond() {
-  return number<V>(sizeof(NumberOf<V>) == 8 ? 1e300 : 1e30);
+  return number<V>(1e300);
+}
+
+// Of a triangle: `twice` its area, and its longest edge squared.
+template <class V>
+inline auto has_normal(V twice, V longest) {
+  return twice > number<V>(kNoNormal) * longest && longest < number<V>(kMostEdgeSquared) &&
+         twice > number<V>(kLeastTwiceArea);
 }
 
 // False where the triangle has no normal to speak of.
 template <class V>
 inline auto look(const RoundPart<V>& part, Wide3<V> axis, Wide3<V> a, Wide3<V> b, Wide3<V> c,
                  RoundPlane<V>& plane) {
-  constexpr bool precise = sizeof(NumberOf<V>) == 8;
   const V one = number<V>(1), zero = number<V>(0);
   const Wide3<V> ab = b - a, ac = c - a, bc = c - b;
   const Wide3<V> raw = cross(ab, ac);
   const V twice = sqrt(dot(raw, raw));
   const V longest = max(dot(ab, ab), max(dot(ac, ac), dot(bc, bc)));
-  const auto fine = twice > rounding<V>() * longest && longest < number<V>(precise ? 1e150 : 1e18) &&
-                    twice > number<V>(precise ? 1e-290 : 1e-30);
+  const auto fine = has_normal(twice, longest);
   const V per_twice = one_over(twice);
   plane.n = per_twice * raw;
   const V far = sqrt(max(dot(a, a), max(dot(b, b), dot(c, c))));
@@ -71,7 +76,7 @@ inline auto look(const RoundPart<V>& part, Wide3<V> axis, Wide3<V> a, Wide3<V> b
   if (!part.sphere) {
     const Wide3<V> side = cross(plane.n, axis);
     const V s = sqrt(dot(side, side));
-    const auto slanted = s > rounding<V>();
+    const auto slanted = s > number<V>(kNoDirection);
     plane.s = select(slanted, s, zero);
     plane.c = dot(plane.n, axis);
     across = select(slanted, side, across);

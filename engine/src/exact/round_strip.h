@@ -25,7 +25,7 @@ struct Span {
 template <class V>
 inline Span<V> positive_span(V a, V b, V c, V lower, V upper) {
   const V zero = number<V>(0), one = number<V>(1);
-  a = select(a == zero, number<V>(sizeof(NumberOf<V>) == 8 ? -1e-280 : -1e-30), a);
+  a = select(a == zero, number<V>(-1e-280), a);
   const V square = b * b - a * c, rise = sqrt(max(square, zero));
   const V q = select(b >= zero, zero - (b + rise), rise - b);
   const V root1 = divide(q, a), root2 = divide(c, select(q == zero, one, q));

@@ -68,8 +68,7 @@ void slab_contacts(SlabTerms& terms) {
     const Each<Wide3<V>> corner{a, a + ab, a + ac};
     const Wide3<V> raw = cross(ab, ac);
     const V twice = sqrt(dot(raw, raw)), longest = max(dot(ab, ab), max(dot(ac, ac), dot(bc, bc)));
-    const auto fine =
-        twice > rounding<V>() * longest && twice > number<V>(1e-290) && longest < number<V>(1e150);
+    const auto fine = has_normal(twice, longest);
     const Wide3<V> n = one_over(twice) * raw;
     const SlabView<V> view = view_of(terms.faces, corner);
     const Each<V> over = heights_over(terms.faces, 0, corner);

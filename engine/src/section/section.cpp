@@ -5,18 +5,13 @@
 #include <cmath>
 #include <limits>
 
+#include "section/plane_limits.h"
 #include "section/stated_errors.h"
 
 namespace lumbrical {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
-// Sine of the axis angle below which the direction of the projected axis is rounding noise.
-constexpr double kNoDirection = 1e-15;
-
-// Twice the area over the longest edge squared below which a triangle's normal is rounding noise.
-constexpr double kNoNormal = 1e-15;
 
 // Ends, axes and heights. The first end is the larger sphere or, between equals, the deeper one.
 void set_axes(const Primitive& primitive, Vec3 point, Vec3 along, Section& section) {
@@ -172,7 +167,8 @@ bool normal_of(const Corners& at, Vec3& n) {
   const Vec3 normal = cross(ab, ac);
   const double length = norm(normal);
   const double longest = max(dot(ab, ab), max(dot(ac, ac), dot(bc, bc)));
-  if (!(length > kNoNormal * longest) || !(longest < 1e150) || !(length > 1e-290)) return false;
+  if (!(length > kNoNormal * longest) || !(longest < kMostEdgeSquared) || !(length > kLeastTwiceArea))
+    return false;
   n = normal / length;
   return true;
 }
