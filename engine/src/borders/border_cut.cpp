@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "borders/border_bulge.h"
+#include "exact/border_terms.h"
 #include "section/pressure.h"
 
 namespace lumbrical {
@@ -11,9 +12,6 @@ namespace {
 
 // Rounding must not lose one.
 constexpr double kCutMargin = 1.000001;
-
-// A border steeper than this against its chord is split elsewhere.
-constexpr double kSteepChord = 0.3;
 
 // How high the border rises over the chord in the plane with normal n at most, for K cuts the plane in a
 // convex curve, which stays below its tangents at both ends. Negative: too steep to tell.
@@ -29,7 +27,7 @@ double height_bound(const JointBorder& border, Vec3 from, Vec3 to, Vec3 n) {
     if (!(rho > 0)) return -1;
     const Vec3 steepest = (x / rho) * border.x + (y / rho) * border.y - border.side * border.normal;
     const double rise = dot(steepest, along), fall = dot(steepest, across);
-    if (!(std::fabs(rise) < kSteepChord * std::fabs(fall))) return -1;
+    if (!(std::fabs(rise) < kSteepestChord * std::fabs(fall))) return -1;
     slope[i] = std::fabs(rise / fall);
   }
   const double sum = slope[0] + slope[1];

@@ -7,8 +7,6 @@
 
 namespace lumbrical::LUMBRICAL_ISA {
 
-// A border steeper than this against its chord is not followed here.
-inline constexpr double kSteepestChord = 0.3;
 // In shares of R: a Newton step so short is the last one; a chord so short is none; rounding of a field.
 inline constexpr double kLastStep = 1e-7, kNoChord = 1e-12, kFieldRounding = 1e-12;
 // Steps towards an end of the section; nearly all need less than half of them.

@@ -11,6 +11,9 @@ namespace lumbrical {
 /// the two; a part of it lies in the section; or it is for `cut_at_borders`.
 inline constexpr double kBorderOutside = 0, kBorderInside = 1, kBorderUnclear = 2;
 
+/// A border steeper than this against its chord is not followed in lanes, and split elsewhere.
+inline constexpr double kSteepestChord = 0.3;
+
 struct BorderTerms {
   static constexpr std::size_t kCapacity = 64;
   std::size_t count = 0;
