@@ -2,6 +2,7 @@
 // from the hand.
 #include "borders/contact_differences.h"
 
+#include "base/small_turn.h"
 #include "base/vector6.h"
 #include "base/wrench.h"
 #include "borders/general_contact.h"
@@ -24,7 +25,7 @@ struct MovedContact {
 // Of the contact as it is when the hand has moved by `shift` and turned by a small angle about the joint.
 MovedContact contact_of_moved(const ExactKernels& kernels, const Primitives& hand, Contact contact,
                               Vec3 joint, const Corners& at, Vec3 shift, Vec3 angle) {
-  const Quat turn = normalized({1, 0.5 * angle.x, 0.5 * angle.y, 0.5 * angle.z});
+  const Quat turn = normalized(small_rotation(angle));
   const auto seen = [&](Vec3 p) { return joint + rotate(conjugate(turn), p - joint - shift); };
   Boundary boundary;
   hand_contact(hand, kernels, 0, {seen(at.a), seen(at.b), seen(at.c)}, boundary, contact);

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "base/elementary.h"
+#include "base/small_turn.h"
 #include "base/vector6.h"
 #include "base/wrench.h"
 
@@ -122,7 +123,7 @@ Vec3 position_about(Vec3 pivot, const Pose& start, Quat orientation) {
 }
 
 Quat turned(Quat orientation, Vec3 by) {
-  return normalized(Quat{1, 0.5 * by.x, 0.5 * by.y, 0.5 * by.z} * orientation);
+  return normalized(small_rotation(by) * orientation);
 }
 
 Vec3 arm_from_pivot(const Mechanism& mechanism, const Pose& pose) {

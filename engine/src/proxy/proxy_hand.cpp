@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/small_turn.h"
 #include "base/wrench.h"
 #include "proxy/hand_pull.h"
 #include "stages/broadphase.h"
@@ -63,13 +64,13 @@ Pose relative(std::size_t joint, const Joints& joints) {
   return inverse(joints.pose[carrier_of(joint, joints)]) * joints.pose[joint];
 }
 
-// Twice the tangent of half the angle, along the axis: what `turned_by` undoes.
+// Twice the tangent of half the angle, along the axis: what `quat_of` undoes.
 Vec3 turn_between(Quat from, Quat to) {
   const Quat q = to * conjugate(from);
   const double w = max(0.05, std::fabs(q.w)), scale = q.w < 0 ? -2 / w : 2 / w;
   return scale * Vec3{q.x, q.y, q.z};
 }
-Quat quat_of(Vec3 turn) { return normalized({1, 0.5 * turn.x, 0.5 * turn.y, 0.5 * turn.z}); }
+Quat quat_of(Vec3 turn) { return normalized(small_rotation(turn)); }
 
 // The move that would bring the proxy to the hand.
 HandMove way_to(const Joints& hand, const Joints& proxy) {
