@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "base/share_along.h"
+#include "index/triangle_bound.h"
 #include "section/section.h"
 
 namespace lumbrical {
@@ -126,20 +127,8 @@ double segment_distance(const Segment& a, const Segment& b) {
 
 namespace {
 
-// The sphere round the triangle's centroid.
-struct Bound {
-  Vec3 centre;
-  double radius;
-};
-
-Bound bound_of(const Corners& at) {
-  const auto& [a, b, c] = at;
-  const Vec3 to_b = b - a, to_c = c - a, middle = (to_b + to_c) / 3.0;
-  return {a + middle, max(norm(middle), max(norm(to_b - middle), norm(to_c - middle)))};
-}
-
 bool reaches(const Primitive& capsule, const Corners& at) {
-  const Bound bound = bound_of(at);
+  const Sphere bound = sphere_round(at, {});
   return segment_distance(Segment{capsule.end1, capsule.end2}, Segment{bound.centre, bound.centre}) <=
          kMargin * (max(capsule.radius1, capsule.radius2) + bound.radius);
 }
@@ -172,7 +161,7 @@ bool is_in_reach(const JointBorder& border, const Corners& at) {
   const Vec3 n = cross(b - a, c - a);
   const double height = dot(n, a - border.centre);
   if (height * height > border.reach * border.reach * dot(n, n)) return false;
-  const Bound bound = bound_of(at);
+  const Sphere bound = sphere_round(at, {});
   return norm(bound.centre - border.centre) <= border.reach + bound.radius;
 }
 

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 
 #include "index/patch_cuts.h"
+#include "index/triangle_bound.h"
 
 namespace lumbrical {
 namespace {
@@ -45,12 +45,6 @@ void put_nothing(std::size_t lane, PatchBlock& block, PatchShape& shape) {
 }
 
 }  // namespace
-
-Sphere sphere_round(const Corners& at, Vec3 origin) {
-  const Vec3 a = at.a - origin, ab = at.b - at.a, ac = at.c - at.a, from_centre = (ab + ac) / 3.0;
-  const Vec3 b = ab - from_centre, c = ac - from_centre;
-  return {a + from_centre, std::sqrt(max(dot(from_centre, from_centre), max(dot(b, b), dot(c, c))))};
-}
 
 Sphere put_block(std::span<const Corners> patches, double step, Vec3 origin, PatchBlock& block,
                  PatchShape* shapes) {

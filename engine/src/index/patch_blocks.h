@@ -13,9 +13,6 @@ namespace lumbrical {
 /// Triangles or patches, the least that is worth another thread.
 inline constexpr std::size_t kPatchPiece = 4096;
 
-/// About the triangle's centroid; relative to `origin` [m, W].
-Sphere sphere_round(const Corners& at, Vec3 origin);
-
 /// Fills a block, its shapes too, with up to sixteen patches; returns a sphere round them, relative to
 /// `origin`. `step`: as patch_cuts.h has it.
 Sphere put_block(std::span<const Corners> patches, double step, Vec3 origin, PatchBlock& block,

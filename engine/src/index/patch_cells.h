@@ -6,6 +6,7 @@
 
 #include "index/patch_blocks.h"
 #include "index/patch_cuts.h"
+#include "index/triangle_bound.h"
 
 namespace lumbrical {
 

@@ -13,6 +13,7 @@
 #include "index/patch_cuts.h"
 #include "index/spatial_order.h"
 #include "index/sphere_tree.h"
+#include "index/triangle_bound.h"
 #include "model/corners.h"
 
 namespace lumbrical {

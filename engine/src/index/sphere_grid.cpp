@@ -78,7 +78,7 @@ SphereGrid plan_grid(const Box& centres, const Execution& execution) {
 }
 
 std::uint64_t cell_of_triangle(const SphereGrid& grid, const Triangles& triangles, std::uint32_t triangle) {
-  const TriangleBound bound = bound_triangle(triangles, triangle, {});
+  const Sphere bound = bound_triangle(triangles, triangle, {});
   return bound.radius > 0.5 * grid.cell_size ? kWideCell : key_of(cell_at(grid, bound.centre));
 }
 

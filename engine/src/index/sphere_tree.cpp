@@ -84,9 +84,8 @@ Leaves put_leaves(const Triangles& triangles, std::span<const std::uint32_t> mem
                       const std::size_t place = leaf * leaf_blocks * kWidth;
                       for (std::size_t i = 0; i < size; ++i) {
                         const std::uint32_t triangle = members[begin + i];
-                        const TriangleBound around = bound_triangle(triangles, triangle, head.origin);
-                        within[i] = {around.centre, around.radius};
-                        box.add(around.centre, (1 + kBoxSlack) * around.radius);
+                        within[i] = bound_triangle(triangles, triangle, head.origin);
+                        box.add(within[i].centre, (1 + kBoxSlack) * within[i].radius);
                         put_sphere(within[i], place + i, blocks);
                         numbers[place + i] = triangle;
                       }
