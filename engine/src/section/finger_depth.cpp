@@ -1,5 +1,7 @@
 #include "section/finger_depth.h"
 
+#include "base/share_along.h"
+
 namespace lumbrical {
 namespace {
 
@@ -7,8 +9,8 @@ namespace {
 bool is_clear_of(const Primitive& capsule, Vec3 point) {
   constexpr double kMargin = 1.000001;  // rounding must not lose a point of its surface
   const Vec3 axis = capsule.end2 - capsule.end1, from = point - capsule.end1;
-  const double length2 = dot(axis, axis), reach = kMargin * max(capsule.radius1, capsule.radius2);
-  const Vec3 off = from - (length2 > 0 ? clamp(dot(from, axis) / length2, 0, 1) : 0) * axis;
+  const double reach = kMargin * max(capsule.radius1, capsule.radius2);
+  const Vec3 off = from - share_along(axis, from) * axis;
   return dot(off, off) > reach * reach;
 }
 
