@@ -29,13 +29,6 @@ Moments<V> section_area(const RoundPart<V>& part, const RoundPlane<V>& plane, co
   return sum;
 }
 
-// Of an axis nearly along the plane an end that is through it would leave no digits to the deepest point.
-template <class V>
-inline auto has_deepest_point(const RoundPart<V>& part, const RoundPlane<V>& plane, bool flat) {
-  const V zero = number<V>(0), through = flat ? zero : zero - beyond<V>();
-  return plane.h1 + part.radius1 > through && plane.h2 + part.radius2 > through;
-}
-
 template <class V>
 void paper_contacts(RoundTerms& terms) {
   const V zero = number<V>(0), one = number<V>(1), unsure = number<V>(kUnsure);

@@ -31,9 +31,7 @@ inline auto keeps_digits(const RoundPart<V>& part, const RoundPlane<V>& plane, c
   const auto large = size >= number<V>(kSmall) * part.radius1;
   if (part.sphere) return large;
   const auto deep = large && most >= number<V>(kShallowSide) * part.radius1;
-  // Of a flat pair an end that is through the plane would leave no digits to the deepest point.
-  const V zero = number<V>(0);
-  if (flat) return deep && plane.h1 + part.radius1 > zero && plane.h2 + part.radius2 > zero;
+  if (flat) return deep && has_deepest_point(part, plane, flat);
   const double least = part.cone ? kFlatCosineCone : kFlatCosine;
   return deep && side.c >= number<V>(least);
 }

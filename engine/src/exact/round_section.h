@@ -68,6 +68,13 @@ RoundPair<V> pair_at(const RoundTerms& terms, std::size_t i) {
   return pair;
 }
 
+// Of an axis nearly along the plane an end that is through it would leave no digits to the deepest point.
+template <class V>
+inline auto has_deepest_point(const RoundPart<V>& part, const RoundPlane<V>& plane, bool flat) {
+  const V zero = number<V>(0), through = flat ? zero : zero - beyond<V>();
+  return plane.h1 + part.radius1 > through && plane.h2 + part.radius2 > through;
+}
+
 // Of edges wholly inside everything counts.
 template <class V, class M>
 InsideParts<V> inside_parts(const Polygon<V>& polygon, const Directions<V>& directions, M whole) {
