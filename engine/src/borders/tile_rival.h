@@ -124,7 +124,7 @@ inline Cone cone_from(const Section& section, Vec3 joint, Vec3 end, double radiu
   cone.axis = unit_or({dot(axis, section.u), dot(axis, section.v), dot(axis, section.n)}, {1, 0, 0});
   cone.radius = radius;
   cone.drop = radius - end_radius;
-  if (cone.length > std::fabs(cone.drop) && cone.length > 1e-12 * radius) {
+  if (has_two_ends(cone.length, radius, end_radius)) {
     cone.sine = cone.drop / cone.length;
     cone.cosine = std::sqrt((1 - cone.sine) * (1 + cone.sine));
   } else {

@@ -31,7 +31,7 @@ RoundHull round_hull(const Primitive& primitive) {
     std::swap(radius1, radius2);
   }
   double length = norm(end2 - end1);
-  if (!(length > radius1 - radius2 && length > 1e-12 * radius1)) {
+  if (!has_two_ends(length, radius1, radius2)) {
     length = 0;
     radius2 = radius1;
   }

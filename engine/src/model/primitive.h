@@ -8,6 +8,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstdint>
 
 #include "lumbrical/math.h"
@@ -31,6 +32,11 @@ struct HalfSpace {
 /// crosses is rounding's, which in lanes is not the same for the tiles on both sides (`cut_along`,
 /// section.h).
 inline constexpr double kAlongCut = 1e-5;
+
+/// Is the hull of two spheres whose centres are so far apart [m] more than one of them?
+inline bool has_two_ends(double length, double radius, double other_radius) {
+  return length > std::fabs(radius - other_radius) && length > 1e-12 * radius;
+}
 
 struct Primitive {
   static constexpr std::size_t kMostCuts = 3;

@@ -25,7 +25,7 @@ void set_axes(const Primitive& primitive, Vec3 point, Vec3 along, Section& secti
   }
   Vec3 axis = end2 - end1;
   double length = norm(axis);
-  if (primitive.shape == Shape::round && !(length > radius1 - radius2 && length > 1e-12 * radius1)) {
+  if (primitive.shape == Shape::round && !has_two_ends(length, radius1, radius2)) {
     length = 0;  // the smaller sphere lies inside the larger: nothing else is left
     radius2 = radius1;
   }
