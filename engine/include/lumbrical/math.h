@@ -95,6 +95,10 @@ struct Box {
     lower = {min(lower.x, p.x - r), min(lower.y, p.y - r), min(lower.z, p.z - r)};
     upper = {max(upper.x, p.x + r), max(upper.y, p.y + r), max(upper.z, p.z + r)};
   }
+  void add(const Box& other) {
+    lower = {min(lower.x, other.lower.x), min(lower.y, other.lower.y), min(lower.z, other.lower.z)};
+    upper = {max(upper.x, other.upper.x), max(upper.y, other.upper.y), max(upper.z, other.upper.z)};
+  }
   [[nodiscard]] Vec3 middle() const { return 0.5 * lower + 0.5 * upper; }
   [[nodiscard]] bool meets(const Box& other) const {
     return lower.x <= other.upper.x && other.lower.x <= upper.x && lower.y <= other.upper.y &&

@@ -280,10 +280,8 @@ Status WorldWriter::Build::sort_by_cell(const Triangles& triangles,
   Box centres;
   for (std::uint32_t first = 0; first < count; first += std::min(kChunk, count - first)) {
     if (Status status = file.check_stop(); !status.ok()) return status;
-    const Box box =
-        box_round_centres(triangles, first, first + std::min(kChunk, count - first), execution.threads);
-    centres.add(box.lower);
-    centres.add(box.upper);
+    centres.add(
+        box_round_centres(triangles, first, first + std::min(kChunk, count - first), execution.threads));
     release_pages(mapped.get(), size);
   }
   grid = plan_grid(centres, execution);

@@ -62,10 +62,7 @@ Box box_round_centres(const Triangles& triangles, std::uint32_t first, std::uint
       boxes[piece].add(bound_triangle(triangles, first + static_cast<std::uint32_t>(i), {}).centre);
   });
   Box all;
-  for (const Box& box : boxes) {
-    all.add(box.lower);
-    all.add(box.upper);
-  }
+  for (const Box& box : boxes) all.add(box);
   return all;
 }
 

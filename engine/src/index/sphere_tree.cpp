@@ -52,10 +52,7 @@ void put_level(const std::vector<Sphere>& spheres, SphereBlock* level, std::size
 
 Box box_round(const std::vector<Box>& boxes) {
   Box all;
-  for (const Box& box : boxes) {
-    all.add(box.lower);
-    all.add(box.upper);
-  }
+  for (const Box& box : boxes) all.add(box);
   return all;
 }
 

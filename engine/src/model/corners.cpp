@@ -19,10 +19,7 @@ Box box_round(const Triangles& world, std::size_t threads) {
     boxes[piece] = box;
   });
   Box all;
-  for (const Box& box : boxes) {
-    all.add(box.lower);
-    all.add(box.upper);
-  }
+  for (const Box& box : boxes) all.add(box);
   return all;
 }
 

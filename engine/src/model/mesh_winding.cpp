@@ -279,9 +279,7 @@ void report_open(const Mesh& mesh, const Taken& taken, const std::vector<bool>& 
                  WindingReport& report) {
   Box box;
   for (std::size_t part = 0; part < decided.size(); ++part) {
-    if (decided[part]) continue;
-    box.add(taken.parts[part].box.lower);
-    box.add(taken.parts[part].box.upper);
+    if (!decided[part]) box.add(taken.parts[part].box);
   }
   for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
     const std::uint32_t part = taken.part_of[i];
