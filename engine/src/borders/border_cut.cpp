@@ -10,9 +10,6 @@
 namespace lumbrical {
 namespace {
 
-// Rounding must not lose one.
-constexpr double kCutMargin = 1.000001;
-
 // How high the border rises over the chord in the plane with normal n at most, for K cuts the plane in a
 // convex curve, which stays below its tangents at both ends. Negative: too steep to tell.
 double height_bound(const JointBorder& border, Vec3 from, Vec3 to, Vec3 n) {
@@ -31,13 +28,13 @@ double height_bound(const JointBorder& border, Vec3 from, Vec3 to, Vec3 n) {
     slope[i] = std::fabs(rise / fall);
   }
   const double sum = slope[0] + slope[1];
-  return sum > 0 ? kCutMargin * length * slope[0] * slope[1] / sum : 0;
+  return sum > 0 ? kReachMargin * length * slope[0] * slope[1] / sum : 0;
 }
 
 // Does the tile keep clear of a chord and of all that may lie between it and its border?
 bool keeps_clear(const Primitive& tile, Vec3 joint, Vec3 from, Vec3 to, double height) {
   const Segment axis{tile.end1 - joint, tile.end2 - joint}, chord{from, to};
-  return segment_distance(axis, chord) > kCutMargin * (max(tile.radius1, tile.radius2) + height);
+  return segment_distance(axis, chord) > kReachMargin * (max(tile.radius1, tile.radius2) + height);
 }
 
 // Where the border misses the section: does cutting along the chord give the same? Not if the chord runs

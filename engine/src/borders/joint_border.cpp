@@ -18,9 +18,6 @@ constexpr double kFlatAngle = 0.05;
 // The same for slopes that differ almost as much as the axes: the cone is too narrow to follow as such.
 constexpr double kSteepest = 0.85;
 
-// Rounding must not lose a triangle.
-constexpr double kMargin = 1.000001;
-
 // A phalanx seen from the joint it shares.
 struct Side {
   Vec3 axis;          // unit, away from the joint
@@ -68,8 +65,8 @@ JointBorder border_of(const Primitives& hand, std::size_t phalanx) {
   border.normal = half_way(-axis1, axis2);
   border.shared = true;
   // Whatever the border may be, it lies inside both tiles.
-  border.reach = kMargin * max(r, max(length1 + far1, length2 + far2));
-  border.slab = kMargin * max(r, max(far1, far2));
+  border.reach = kReachMargin * max(r, max(length1 + far1, length2 + far2));
+  border.slab = kReachMargin * max(r, max(far1, far2));
   if (!is_hull1 || !is_hull2) return border;
   const double half_sine = 0.5 * norm(axis1 - axis2), half_cosine = 0.5 * norm(axis1 + axis2);
   const double slope_sine =
@@ -81,7 +78,7 @@ JointBorder border_of(const Primitives& hand, std::size_t phalanx) {
   const double nearest_sine = half_sine * mean_cosine + half_cosine * mean_sine;
   const double nearest_cosine = half_cosine * mean_cosine - half_sine * mean_sine;
   if (!(nearest_sine > kFlatAngle) || !(slope_sine < kSteepest * half_sine)) return border;
-  border.near = kMargin * r * nearest_cosine < nearest_sine * min(cosine1 * length1, cosine2 * length2);
+  border.near = kReachMargin * r * nearest_cosine < nearest_sine * min(cosine1 * length1, cosine2 * length2);
   if (!border.near) return border;
   if (slope_sine < kSameSlope) return {};
   set_cone(before, after, border);
@@ -90,8 +87,8 @@ JointBorder border_of(const Primitives& hand, std::size_t phalanx) {
   const double least_sine = half_sine * (first ? cosine1 : cosine2) + half_cosine * (first ? sine1 : sine2);
   const double least_cosine = half_cosine * (first ? cosine1 : cosine2) - half_sine * (first ? sine1 : sine2);
   if (least_sine > kFlatAngle) {
-    border.reach = min(border.reach, kMargin * (least_cosine > 0 ? r / least_sine : r));
-    border.slab = min(border.slab, kMargin * border.reach * slope_sine / half_sine);
+    border.reach = min(border.reach, kReachMargin * (least_cosine > 0 ? r / least_sine : r));
+    border.slab = min(border.slab, kReachMargin * border.reach * slope_sine / half_sine);
   }
   return border;
 }
@@ -130,7 +127,7 @@ namespace {
 bool reaches(const Primitive& capsule, const Corners& at) {
   const Sphere bound = sphere_round(at, {});
   return segment_distance(Segment{capsule.end1, capsule.end2}, Segment{bound.centre, bound.centre}) <=
-         kMargin * (max(capsule.radius1, capsule.radius2) + bound.radius);
+         kReachMargin * (max(capsule.radius1, capsule.radius2) + bound.radius);
 }
 
 // Of what a finger's tiles share out.
@@ -151,8 +148,8 @@ void set_folded_fingers(Primitives& hand) {
   for (std::size_t finger = 0; finger < kFingerCount; ++finger) {
     const Primitive &first = hand.capsule[3 * finger], &last = hand.capsule[3 * finger + 2];
     hand.folded[finger] = takes_part(hand, 3 * finger) && takes_part(hand, 3 * finger + 2) &&
-                          segment_distance(first, last) <
-                              kMargin * (max(first.radius1, first.radius2) + max(last.radius1, last.radius2));
+                          segment_distance(first, last) < kReachMargin * (max(first.radius1, first.radius2) +
+                                                                          max(last.radius1, last.radius2));
   }
 }
 

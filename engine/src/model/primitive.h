@@ -33,6 +33,9 @@ struct HalfSpace {
 /// section.h).
 inline constexpr double kAlongCut = 1e-5;
 
+/// Reaches are taken for so much larger where things must not be lost by rounding.
+inline constexpr double kReachMargin = 1.000001;
+
 /// Is the hull of two spheres whose centres are so far apart [m] more than one of them?
 inline bool has_two_ends(double length, double radius, double other_radius) {
   return length > std::fabs(radius - other_radius) && length > 1e-12 * radius;

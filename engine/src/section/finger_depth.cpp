@@ -7,9 +7,8 @@ namespace {
 
 // Is a point certainly outside a phalanx? Most are, and then no section of it is needed.
 bool is_clear_of(const Primitive& capsule, Vec3 point) {
-  constexpr double kMargin = 1.000001;  // rounding must not lose a point of its surface
   const Vec3 axis = capsule.end2 - capsule.end1, from = point - capsule.end1;
-  const double reach = kMargin * max(capsule.radius1, capsule.radius2);
+  const double reach = kReachMargin * max(capsule.radius1, capsule.radius2);
   const Vec3 off = from - share_along(axis, from) * axis;
   return dot(off, off) > reach * reach;
 }

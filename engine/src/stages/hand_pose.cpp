@@ -195,19 +195,18 @@ std::uint32_t place_hand(const Hand& hand, const Settings& settings, const Joint
 }
 
 bool may_meet(const Hand& hand, const Primitives& primitives, const Box& world) {
-  constexpr double kMargin = 1.000001;
   Box box;
   for (std::size_t i = 0; i < kPhalanxCount; ++i) {
     if (!primitives.present[i]) continue;
     const Primitive& capsule = primitives.capsule[i];
-    box.add(capsule.end1, kMargin * capsule.radius1);
-    box.add(capsule.end2, kMargin * capsule.radius2);
+    box.add(capsule.end1, kReachMargin * capsule.radius1);
+    box.add(capsule.end2, kReachMargin * capsule.radius2);
   }
   if (primitives.joints.has(kPalm)) {
     double square = 0;
     for (const Vec3 corner : hand.palm.polygon) square = max(square, dot(corner, corner));
     const double reach = std::sqrt(square) + std::fabs(hand.palm.height) + hand.palm.thickness;
-    box.add(primitives.joints.position(kPalm), kMargin * reach);
+    box.add(primitives.joints.position(kPalm), kReachMargin * reach);
   }
   return box.meets(world);
 }

@@ -34,9 +34,6 @@ std::size_t chunk_for(std::size_t count, std::size_t threads) {
 // Pairs with cuts of their own that go through the passes together, and pairs that are sorted at once.
 constexpr std::size_t kMostOwn = 512, kMostOfRun = KindTerms::kCapacity;
 
-// Rounding must not lose a border.
-constexpr double kMargin = 1.000001;
-
 constexpr std::int16_t kTilesOwn = -1;  // no others
 
 // Pairs on their way through the passes.
@@ -92,7 +89,7 @@ void sort_shared(std::uint32_t slot, const Corners& at, const TileBorders& near,
 void set_border(const JointBorder& border, Vec3 origin, KindTerms::Border& terms) {
   put_vector(border.normal, terms.normal);
   terms.height = dot(border.normal, border.centre - origin);
-  terms.slab = kMargin * border.slab;
+  terms.slab = kReachMargin * border.slab;
 }
 
 // Pairs of one round primitive, no more at a time than the terms hold.
