@@ -29,8 +29,8 @@ bool general_contact(const Primitive& primitive, const ContactQuery& query, cons
 void press_by_depth(Law law, double point_area, Vec3 deepest, Contact& contact);
 
 /// Contact of the primitive of a hand that contact.primitive names with the triangle `at` [m, W], whatever
-/// it is and shares out with others; without depth where the law does without. An area of zero marks that
-/// there is none.
+/// it is and shares out with others; of a round or flat one without depth under the field law. An area of
+/// zero marks that there is none.
 void hand_contact(const Primitives& hand, const ExactKernels& kernels, double point_area, const Corners& at,
                   Boundary& boundary, Contact& contact);
 

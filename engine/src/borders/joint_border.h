@@ -13,8 +13,8 @@
 
 namespace lumbrical {
 
-/// Everything here is about a finger's tiles: wherever a function takes one, its segment is a phalanx. So is
-/// that of every tile; parts of the palm have no such borders.
+// Everything here is about a finger's tiles: wherever a function takes one, its segment is a phalanx. So is
+// that of every tile; parts of the palm have no such borders.
 
 /// Unit, half way between the directions of two phalanges, upon the plane through their joint that shares out
 /// space between them. Of a finger folded right back on itself, where the two cancel, it is across them: what
@@ -72,7 +72,7 @@ inline bool is_folded(const Primitives& hand, const Primitive& tile) {
   return tile.segment < kPhalanxCount && tile.segment % 3 != 1 && hand.folded[tile.segment / 3];
 }
 
-/// Which of them may do so. Cheap: most triangles end here.
+/// Which of a tile's borders may run through a triangle so. Cheap: most triangles end here.
 inline TileBorders borders_in_reach(const Primitives& hand, const Primitive& tile, const Corners& at) {
   const JointBorder* const inner = tile_border(hand, tile, false);
   const JointBorder* const outer = tile_border(hand, tile, true);

@@ -25,7 +25,7 @@ struct alignas(64) PatchBlock {
   float centroid[2][3][kWidth];  ///< [m] W: rounded, and what rounding left out
   float radius[kWidth];          ///< [m] of the sphere about it; negative: an empty place
   float normal[3][kWidth];       ///< twice the integral of n dA, over the square of that radius
-  float size[kWidth];            ///< kPatchSizes, above
+  float size[kWidth];            ///< what kPatchSizes counts (patch_rules.h)
 };
 
 /// A patch, as kernels want it.

@@ -16,7 +16,7 @@ struct PatchRows {
   static constexpr std::size_t kWidth = PatchBlock::kWidth;
   alignas(64) float corner[3][kWidth];   // [m]
   alignas(64) float edge[2][3][kWidth];  // [m]
-  alignas(64) float seen_from[kWidth];   // the tile's number, by kFarEnd more at its far end
+  alignas(64) float seen_from[kWidth];   // ListedPatch::tile
 };
 
 /// A body's origin in fours, kept as long as patches are of the same body.

@@ -100,9 +100,9 @@ struct Told {
   double own, lack;
 };
 
-class Overlap {
+class OverlapLoss {
  public:
-  Overlap(const Touched& touched, std::size_t segment, double precision)
+  OverlapLoss(const Touched& touched, std::size_t segment, double precision)
       : touched_(touched), segment_(segment) {
     const Primitives& hand = touched.hand;
     radius_ = segment == kPalmSegment ? hand.palm.radius
@@ -294,7 +294,7 @@ std::uint32_t take_off(const Model& model, const Touched& touched, Indices indic
     const std::size_t segment = contacts.segment(*own);
     const auto next = std::find_if(own, indices.end(),
                                    [&](std::uint64_t other) { return contacts.segment(other) != segment; });
-    const Overlap overlap(touched, segment, model.settings.precision[segment]);
+    const OverlapLoss overlap(touched, segment, model.settings.precision[segment]);
     const PartMoments lost = overlap.lost(contacts.of(*own).error);
     if (lost.volume > 0) {
       take_off(touched, lost, {own, next}, contacts);
