@@ -261,7 +261,7 @@ bool cut_near(const Model& model, const Primitives& hand, CutPatches& cuts) {
   for (const double spare : {at_first, at_first, 0.0}) {
     const Limbs limbs(cuts.about, spare);
     if (find_near(model, limbs, cuts)) {
-      cuts.origin = model.world ? limbs.ball().end1 : model.patches->tree.head.origin;
+      cuts.origin = model.world ? limbs.ball().centre : model.patches->tree.head.origin;
       put_spheres(cuts);
       cuts.build = model.build;
       cuts.spare = spare;

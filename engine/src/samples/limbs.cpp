@@ -55,13 +55,13 @@ Limbs::Limbs(const HandPlace& hand, double spare) : count_(hand.phalanx_count), 
   }
   palm_reach_ = palm_.radius + more;
   for (std::size_t k = 0; k < palm_.corner_count; ++k) box_.add(palm_.corner[k], palm_reach_);
-  ball_.end1 = ball_.end2 = box_.middle();
-  ball_.radius1 = ball_.radius2 = norm(box_.upper - ball_.end1);
+  ball_.centre = box_.middle();
+  ball_.radius = norm(box_.upper - ball_.centre);
 }
 
 std::uint32_t Limbs::near_plane(const Corners& at) const {
   const Vec3 across = cross(at.b - at.a, at.c - at.a), normal = across / norm(across);
-  const double slack = kRounding * (largest_of(at.a) + largest_of(ball_.end1));
+  const double slack = kRounding * (largest_of(at.a) + largest_of(ball_.centre));
   const auto height = [&](Vec3 p) { return dot(normal, p - at.a); };
   std::uint32_t near = 0;
   for (std::size_t i = 0; i < count_; ++i) {
@@ -81,10 +81,10 @@ std::uint32_t Limbs::near_plane(const Corners& at) const {
 
 std::uint32_t Limbs::near(const Sphere& sphere, std::uint32_t limbs) const {
   const double within = (1 + kSlack) * sphere.radius + kRounding * largest_of(sphere.centre);
-  const Vec3 gap = sphere.centre - ball_.end1;
-  const double reach = ball_.radius1 + within;
+  const Vec3 gap = sphere.centre - ball_.centre;
+  const double reach = ball_.radius + within;
   if (dot(gap, gap) > reach * reach) return 0;
-  if (sphere.radius > ball_.radius1) return limbs;
+  if (sphere.radius > ball_.radius) return limbs;
   const auto meets_segment = [&](const Segment& segment) {
     const Vec3 from = sphere.centre - segment.end;
     const Vec3 apart = from - clamp(dot(from, segment.axis) * segment.inverse, 0, 1) * segment.axis;

@@ -33,7 +33,7 @@ class Limbs {
   Limbs(const HandPlace& hand, double spare);
 
   /// Round all of them.
-  [[nodiscard]] const Primitive& ball() const { return ball_; }
+  [[nodiscard]] const Sphere& ball() const { return ball_; }
   [[nodiscard]] const Box& box() const { return box_; }
   [[nodiscard]] std::uint32_t all() const { return (2u << count_) - 1; }
   /// Those that are near a triangle's plane.
@@ -53,7 +53,7 @@ class Limbs {
   SweptPolygon palm_;
   double palm_reach_ = 0;
   Box box_;
-  Primitive ball_;
+  Sphere ball_;
 };
 
 }  // namespace lumbrical
