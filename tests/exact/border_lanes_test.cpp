@@ -128,7 +128,7 @@ BulgeMoments brute_bulge(const Primitives& hand, const Primitive& tile, bool out
   Section section;
   Vec3 n;
   if (!normal_of(t, n) || !look_along(tile, t.a, n, t.b - t.a, section)) return {};
-  const Rival rival = joint_rival(section, hand, joint_of(tile, outer), outer);
+  const Kin kin = joint_kin(section, hand, joint_of(tile, outer), outer);
   const Vec3 joint = hand.border[joint_of(tile, outer)].centre, start = to_plane(section, joint + from),
              end = to_plane(section, joint + to);
   const Chord chord = chord_between({start.x, start.y}, {end.x, end.y});
@@ -138,7 +138,7 @@ BulgeMoments brute_bulge(const Primitives& hand, const Primitive& tile, bool out
   for (int i = 0; i < pieces; ++i) {
     for (const GaussNode& node : kGauss8) {
       const double s = chord.length * (i + node.at) / pieces, limit = 0.3 * chord.length;
-      const auto lead = [&](double y) { return precedence(rival, chord.at(s, y)); };
+      const auto lead = [&](double y) { return precedence(kin, chord.at(s, y)); };
       const double height = find_root(lead, -limit, lead(-limit), limit, lead(limit), 1e-16 * kRadius);
       for (int k = 0; k < 4; ++k) {
         for (const GaussNode& across : kGauss4) {

@@ -38,14 +38,14 @@ struct OverChord {
 // A near border over its chord: x^2 + y^2 = height^2 is a quadratic a h^2 + 2 b h + c in the height h.
 struct NearBorder {
   OverChord x, y, z;
-  double side, falling;  // falling: +-1, times `side` times the quadratic falls towards the rival
-  NearBorder(const Rival& rival, const Chord& chord)
-      : x(rival.border.x, chord),
-        y(rival.border.y, chord),
-        z(rival.border.height, chord),
-        side(rival.border.side),
-        falling(rival.is_first ? -rival.border.side : rival.border.side) {}
-  // The root next to the chord; false where there is none, or the rival is not above it. In a plane through
+  double side, falling;  // falling: +-1, times `side` times the quadratic falls towards its kin
+  NearBorder(const Kin& kin, const Chord& chord)
+      : x(kin.border.x, chord),
+        y(kin.border.y, chord),
+        z(kin.border.height, chord),
+        side(kin.border.side),
+        falling(kin.is_first ? -kin.border.side : kin.border.side) {}
+  // The root next to the chord; false where there is none, or its kin is not above it. In a plane through
   // the apex, or all but through it, both roots meet there and only rounding tells them apart.
   bool height_at(double s, double& height) const {
     const double p = x.at(s), q = y.at(s), r = z.at(s);
@@ -84,35 +84,35 @@ constexpr int kProbes = 5;
 
 // The border as a height over its chord.
 struct Border {
-  const Rival& rival;
+  const Kin& kin;
   const Chord& chord;
   double slope = 0;   // of precedence across the chord, < 0
   double height = 0;  // found last, the first guess for the next
   bool good = true;   // every root was found
   NearBorder near;
 
-  Border(const Rival& r, const Chord& c) : rival(r), chord(c), near(r, c) {
-    if (rival.near || is_short()) return;
+  Border(const Kin& r, const Chord& c) : kin(r), chord(c), near(r, c) {
+    if (kin.near || is_short()) return;
     const double step = 0.01 * chord.length, middle = 0.5 * chord.length;
     slope = (at(middle, step) - at(middle, -step)) / (2 * step);
     good = slope < 0;
   }
-  [[nodiscard]] bool is_short() const { return chord.length < kShort * rival.first.radius; }
-  [[nodiscard]] double at(double s, double y) const { return precedence(rival, chord.at(s, y)); }
+  [[nodiscard]] bool is_short() const { return chord.length < kShort * kin.first.radius; }
+  [[nodiscard]] double at(double s, double y) const { return precedence(kin, chord.at(s, y)); }
   // A Newton step with the last slope, then secant steps, whose error is about the product of the last two.
   double height_at(double s) {
     if (!good || is_short()) return 0;
-    if (rival.near) {
+    if (kin.near) {
       good = near.height_at(s, height) && std::fabs(height) <= chord.length;
       return good ? height : 0;
     }
-    const double limit = chord.length, radius = rival.first.radius;
+    const double limit = chord.length, radius = kin.first.radius;
     double y0 = height, g0 = at(s, y0), y = y0 - g0 / slope, close = 1e-15 * radius;
     for (int i = 0; i < 20 && std::fabs(y) <= limit; ++i) {
       const double step = y - y0;
       if (!(std::fabs(step) > close)) return height = y;
       const double g = at(s, y), change = g - g0;
-      if (!(change / step < 0)) break;  // not falling towards the rival
+      if (!(change / step < 0)) break;  // not falling towards its kin
       if (std::fabs(step) > 1e-6 * radius) slope = change / step;
       y0 = y;
       g0 = g;
@@ -148,7 +148,7 @@ struct BorderPoint {
 
 BorderPoint point_on(Border& border, double s) {
   const Point2 at = border.point(s);
-  const Cone& own = border.rival.own();
+  const Cone& own = border.kin.own();
   const Sight sight = sight_of(own, at);
   return {s, at, cone_slope(own, sight), cone_field(own, sight)};
 }
@@ -168,7 +168,7 @@ double most_between(const BorderPoint& from, const BorderPoint& to, Point2 middl
 // where that is not to be told.
 constexpr int kMostPoints = 200;
 double find_inside(Border& border) {
-  const double touching = 1e-12 * border.rival.first.radius;
+  const double touching = 1e-12 * border.kin.first.radius;
   std::array<std::array<BorderPoint, 2>, 64> open;
   open[0] = {point_on(border, 0), point_on(border, border.chord.length)};
   std::size_t left = 1;
@@ -212,21 +212,21 @@ void add_axis(const Cone& cone, const Chord& chord, Singularities& kinks) {
 // Where field or border are not smooth along the chord, as shares of it.
 Singularities kinks_along(const Section& section, const Slant& slant, Border& border) {
   const Chord& chord = border.chord;
-  const Rival& rival = border.rival;
+  const Kin& kin = border.kin;
   Singularities kinks = line_kinks(section, slant, chord.from, chord.at(chord.length, 0));
   kinks.refine = false;
-  add_point(rival.first.joint, chord, kinks);
-  if (rival.near) add_touching(border.near, chord.length, kinks);
-  if (!rival.joined) add_point(rival.second.joint, chord, kinks);
-  for (const Cone* cone : {&rival.first, &rival.second}) {
-    if (!rival.near) {
+  add_point(kin.first.joint, chord, kinks);
+  if (kin.near) add_touching(border.near, chord.length, kinks);
+  if (!kin.joined) add_point(kin.second.joint, chord, kinks);
+  for (const Cone* cone : {&kin.first, &kin.second}) {
+    if (!kin.near) {
       add_point(cone->joint + cone->length * cone->axis, chord, kinks);
       add_axis(*cone, chord, kinks);
     }
     if (cone->kind != Cone::hull) continue;
     for (const double from : {0.0, cone->cosine * cone->length}) {
       // Between joined tiles the border itself is smooth where the joint's sphere takes over.
-      if (rival.joined && (from > 0 ? rival.near : cone != &rival.own())) continue;
+      if (kin.joined && (from > 0 ? kin.near : cone != &kin.own())) continue;
       add_changes([&](double s) { return sight_of(*cone, border.point(s)).along - from; }, chord.length,
                   kinks);
     }
@@ -253,8 +253,8 @@ Chord chord_between(Point2 from, Point2 to) {
   return chord;
 }
 
-Course follow_border(const Section& section, const Rival& rival, Chord& chord) {
-  Border border(rival, chord);
+Course follow_border(const Section& section, const Kin& kin, Chord& chord) {
+  Border border(kin, chord);
   const double peak = border.peak();
   if (!border.good || peak > kFlat * chord.length) return Course::unclear;
   const Slant slant = slant_of(section);
@@ -268,16 +268,16 @@ Course follow_border(const Section& section, const Rival& rival, Chord& chord) {
     const double inside = begin > 0 ? 0 : end > 0 ? chord.length : find_inside(border);
     if (!border.good || inside == -2) return Course::unclear;
     if (inside < 0) return Course::outside;
-    const double value = field(inside), tolerance = 1e-11 * rival.first.radius;
+    const double value = field(inside), tolerance = 1e-11 * kin.first.radius;
     if (begin < 0) from = find_root(field, 0, begin, inside, value, tolerance);
     if (end < 0) to = find_root(field, inside, value, chord.length, end, tolerance);
   }
   for (int i = 1; i + 1 < kProbes; ++i) {
-    if (field(from + (to - from) * i / (kProbes - 1)) < -1e-12 * rival.first.radius) return Course::unclear;
+    if (field(from + (to - from) * i / (kProbes - 1)) < -1e-12 * kin.first.radius) return Course::unclear;
   }
   const Point2 first = border.point(from), last = border.point(to);
   if (!border.good) return Course::unclear;
-  if (!(to - from > 1e-12 * rival.first.radius)) return Course::outside;
+  if (!(to - from > 1e-12 * kin.first.radius)) return Course::outside;
   chord = chord_between(first, last);
   return Course::inside;
 }
@@ -351,9 +351,9 @@ struct BulgeSum {
 
 }  // namespace
 
-bool integrate_bulge(const ExactKernels& kernels, const Section& section, const Rival& rival,
-                     const Chord& chord, Bulge& bulge) {
-  Border border(rival, chord);
+bool integrate_bulge(const ExactKernels& kernels, const Section& section, const Kin& kin, const Chord& chord,
+                     Bulge& bulge) {
+  Border border(kin, chord);
   bulge = {};
   if (!border.good || border.is_short()) return border.good;
   const Slant slant = slant_of(section);
@@ -383,9 +383,9 @@ double rise_at(const Section& section, const Slant& slant, Point2 p) {
 
 }  // namespace
 
-bool integrate_bulge_slope(const Section& section, const Rival& rival, const JointBorder& around,
+bool integrate_bulge_slope(const Section& section, const Kin& kin, const JointBorder& around,
                            const Chord& chord, SlopeMoments& slope) {
-  Border border(rival, chord);
+  Border border(kin, chord);
   if (!border.good) return false;
   const Slant slant = slant_of(section);
   const Vec3 across = chord.across.x * section.u + chord.across.y * section.v;
@@ -399,12 +399,12 @@ bool integrate_bulge_slope(const Section& section, const Rival& rival, const Joi
       slope.add(p, weight * chord.length * height * inner * rise_at(section, slant, p));
     });
     // The border's normal; over the chord an element of it is as long as |m x n| over the part of m across.
-    const double x = rival.border.x.at(top), y = rival.border.y.at(top), far = std::sqrt(x * x + y * y);
+    const double x = kin.border.x.at(top), y = kin.border.y.at(top), far = std::sqrt(x * x + y * y);
     if (!(far > 0)) return;
     const Vec3 m = around.normal - around.side * ((x / far) * around.x + (y / far) * around.y);
     const double tilt = dot(m, section.n) / std::fabs(dot(m, across));
     const double phi = field_of(section, slant, top);
-    slope.add(top, -weight * chord.length * phi * (rival.is_first ? tilt : -tilt));
+    slope.add(top, -weight * chord.length * phi * (kin.is_first ? tilt : -tilt));
   });
   return border.good;
 }

@@ -1,14 +1,14 @@
 // The curve along which two tiles border inside a convex part of a triangle, and what lies between it and its
-// chord. Polygon, section and the rival's section are convex, so it lies in all three: nothing else cuts it.
+// chord. Polygon, section and its kin's section are convex, so it lies in all three: nothing else cuts it.
 #pragma once
 
-#include "borders/tile_rival.h"
+#include "borders/tile_kin.h"
 #include "exact/exact_kernels.h"
 #include "section/pressure.h"
 
 namespace lumbrical {
 
-/// From one end of a border to the other; `across` points into the rival's part.
+/// From one end of a border to the other; `across` points into its kin's part.
 struct Chord {
   Point2 from{0, 0}, along{1, 0}, across{0, 1};
   double length = 0;  ///< [m]
@@ -31,16 +31,16 @@ enum class Course : std::uint8_t {
 };
 
 /// Shortens the chord to the part of the border inside the section.
-Course follow_border(const Section& section, const Rival& rival, Chord& chord);
+Course follow_border(const Section& section, const Kin& kin, Chord& chord);
 
 /// Integrals over what lies between such a chord and its border. False where the border is no curve over it.
-bool integrate_bulge(const ExactKernels& kernels, const Section& section, const Rival& rival,
-                     const Chord& chord, Bulge& bulge);
+bool integrate_bulge(const ExactKernels& kernels, const Section& section, const Kin& kin, const Chord& chord,
+                     Bulge& bulge);
 
 /// What a bulge adds to the integrals of d phi / dn that a contact's Jacobian is made of: the integral over
 /// the bulge, less that of phi (m n) / |m x n| along the border, m its normal out of the tile. `border` is
-/// the rival's, a near one.
-bool integrate_bulge_slope(const Section& section, const Rival& rival, const JointBorder& border,
+/// its kin's, a near one.
+bool integrate_bulge_slope(const Section& section, const Kin& kin, const JointBorder& border,
                            const Chord& chord, SlopeMoments& slope);
 
 }  // namespace lumbrical

@@ -68,11 +68,11 @@ double way_out(const ConePoint& inside, const ConePoint& outside) {
   return clamp(t, 0, 1);
 }
 
-enum class Verdict : std::uint8_t { mine, rivals, crossed, unclear };
+enum class Verdict : std::uint8_t { mine, others, crossed, unclear };
 
 struct Crossed {
   Verdict verdict = Verdict::unclear;
-  Vec3 from, to;  // [m] W, from the joint: where the border crosses edges; the rival's part lies to the right
+  Vec3 from, to;  // [m] W, from the joint: where the border crosses edges; its kin's part lies to the right
                   // of the way
 };
 
@@ -86,12 +86,12 @@ Crossed cross_border(const JointBorder& border, bool is_outer_tile, const Vec3 (
     count += inside[i] ? 1 : 0;
   }
   const bool mine_inside = (border.side > 0) == is_outer_tile;
-  if (count == 3) return {mine_inside ? Verdict::mine : Verdict::rivals, {}, {}};
+  if (count == 3) return {mine_inside ? Verdict::mine : Verdict::others, {}, {}};
   if (count == 0) {
     const ConePoint centre{(at[0].x + at[1].x + at[2].x) / 3, (at[0].y + at[1].y + at[2].y) / 3, 0};
     const bool edges_out = stays_out(at[0], at[1]) && stays_out(at[1], at[2]) && stays_out(at[2], at[0]);
     if (!is_above(centre, at, 3) && !(edges_out && axis_misses(at))) return {};
-    return {mine_inside ? Verdict::rivals : Verdict::mine, {}, {}};
+    return {mine_inside ? Verdict::others : Verdict::mine, {}, {}};
   }
   int lone = 0;  // the corner on its own side
   while (inside[lone] != (count == 1)) ++lone;
@@ -132,7 +132,7 @@ TriangleCuts cross_borders(const Primitives& hand, const Primitive& tile, const 
     if (here.verdict == Verdict::unclear) cuts.kind = CutKind::general;
     if (here.verdict == Verdict::mine) cuts.cut[own_cut(tile, at_outer)].normal = {};
     if (here.verdict == Verdict::crossed) cuts.crossing[at_outer] = {true, here.from, here.to};
-    gone = gone || here.verdict == Verdict::rivals;
+    gone = gone || here.verdict == Verdict::others;
   }
   if (gone) cuts.kind = CutKind::gone;
   return cuts;

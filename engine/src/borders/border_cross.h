@@ -16,7 +16,7 @@ enum class CutKind : std::uint8_t {
   general  ///< a matter for `borders_on` and `collide_shared`
 };
 
-/// Where a border crosses edges of the triangle [m] W, from the joint; the rival's part lies to the right of
+/// Where a border crosses edges of the triangle [m] W, from the joint; its kin's part lies to the right of
 /// the way.
 struct BorderCrossing {
   bool exists = false;

@@ -87,9 +87,9 @@ bool cut_along_border(const ExactKernels& kernels, const Primitives& hand, const
     cut.kind = CutKind::gone;
     return true;
   }
-  const Rival rival = joint_rival(section, hand, phalanx, cut.outer);
+  const Kin kin = joint_kin(section, hand, phalanx, cut.outer);
   Chord chord = chord_of(section, joint, cut);
-  const Course course = follow_border(section, rival, chord);
+  const Course course = follow_border(section, kin, chord);
   if (course == Course::unclear) return false;
   if (course == Course::outside) return chord_will_do(section, chord, cut.height);
   cut.from = from_joint(section, joint, chord.from);
@@ -98,7 +98,7 @@ bool cut_along_border(const ExactKernels& kernels, const Primitives& hand, const
   half_space = {across, joint, dot(across, cut.from)};
   cut.crosses = true;
   Bulge bulge;
-  if (!integrate_bulge(kernels, section, rival, chord, bulge)) return false;
+  if (!integrate_bulge(kernels, section, kin, chord, bulge)) return false;
   cut.bulge = in_space(section, bulge);
   return true;
 }
@@ -163,9 +163,9 @@ bool bulge_slope(const Primitives& hand, const Primitive& tile, const BorderCut&
   Vec3 n;
   if (!normal_of(at, n) || !look_along(tile, at.a, n, at.b - at.a, section)) return false;
   const std::size_t phalanx = joint_of(tile, cut.outer);
-  const Rival rival = joint_rival(section, hand, phalanx, cut.outer);
+  const Kin kin = joint_kin(section, hand, phalanx, cut.outer);
   const Chord chord = chord_of(section, hand.border[phalanx].centre, cut);
-  return integrate_bulge_slope(section, rival, hand.border[phalanx], chord, slope);
+  return integrate_bulge_slope(section, kin, hand.border[phalanx], chord, slope);
 }
 
 }  // namespace lumbrical

@@ -1,6 +1,6 @@
 // The part of the triangle's plane that may be the tile's is split until each part either belongs wholly to
 // one tile or is run through once by one border. Of such a part the chord of the border cuts off what is the
-// rival's, the rest goes the way of any polygon, and the bulge between chord and border is added.
+// kin's, the rest goes the way of any polygon, and the bulge between chord and border is added.
 #include "borders/shared_contact.h"
 
 #include <array>
@@ -38,15 +38,15 @@ struct Work {
   Section& section;  // its polygon is the part at hand
   const ExactKernels& kernels;
   Boundary& boundary;
-  std::uint32_t rival_count = 0;
-  std::array<Rival, 2> rival{};
-  Rival others{};  // of two rivals, the first against the second
+  std::uint32_t kin_count = 0;
+  std::array<Kin, 2> kin{};
+  Kin others{};  // of two kin, the first against the second
   double area = 0, volume = 0, error = 0;
   Point2 area_first{0, 0}, first{0, 0};
 };
 
 // The innermost and the outermost phalanx; round a middle one of no length they have a joint in common.
-Rival apart(const Section& section, const Primitives& hand, std::size_t finger, bool is_first) {
+Kin apart(const Section& section, const Primitives& hand, std::size_t finger, bool is_first) {
   const Primitive &inner = hand.capsule[3 * finger], &outer = hand.capsule[3 * finger + 2];
   const bool same_joint =
       norm(inner.end2 - outer.end1) < 1e-8 * inner.radius2 && inner.radius2 == outer.radius1;
@@ -73,16 +73,16 @@ double reach_of(const Polygon2& polygon, Point2 middle) {
   return std::sqrt(square);
 }
 
-// The whole of the part at hand is the tile's, as far as it lies in the section; with a rival only if its
+// The whole of the part at hand is the tile's, as far as it lies in the section; with kin only if its
 // centroid there is the tile's.
-void add_all(Work& work, const Rival* rival = nullptr) {
+void add_all(Work& work, const Kin* kin = nullptr) {
   Section& section = work.section;
   if (section.polygon.count < 3) return;
   const Overlap overlap = classify(section);
   if (overlap == Overlap::apart) return;
   trace_boundary(section, work.boundary);
   const AreaMoments area = common_area(section, overlap, work.boundary);
-  if (!(area.area > 0) || (rival != nullptr && !(precedence(*rival, area.centroid) > 0))) return;
+  if (!(area.area > 0) || (kin != nullptr && !(precedence(*kin, area.centroid) > 0))) return;
   const PressureMoments field = field_moments(work.kernels, section, area, work.boundary);
   work.area += area.area;
   work.area_first = work.area_first + area.area * area.centroid;
@@ -93,11 +93,11 @@ void add_all(Work& work, const Rival* rival = nullptr) {
 // How much volume it makes, about, whose the part is.
 double stake_of(const Work& work, const Polygon2& polygon, Point2 middle, double reach) {
   double most = 0;
-  for (std::size_t i = 0; i < work.rival_count; ++i) {
-    const Rival& rival = work.rival[i];
+  for (std::size_t i = 0; i < work.kin_count; ++i) {
+    const Kin& kin = work.kin[i];
     const auto include = [&](Point2 p) {
-      const double gap = cone_field(rival.first, sight_of(rival.first, p)) -
-                         cone_field(rival.second, sight_of(rival.second, p));
+      const double gap =
+          cone_field(kin.first, sight_of(kin.first, p)) - cone_field(kin.second, sight_of(kin.second, p));
       most = max(most, std::fabs(gap));
     };
     include(middle);
@@ -107,24 +107,24 @@ double stake_of(const Work& work, const Polygon2& polygon, Point2 middle, double
 }
 
 Chord chord_of(const Crossings& crossings) {
-  // Once round counter-clockwise the rival's part lies to the right of the way from where the edge leaves the
+  // Once round counter-clockwise its kin's part lies to the right of the way from where the edge leaves the
   // tile to where it comes back.
   return crossings.leaving_first ? chord_between(crossings.at[0], crossings.at[1])
                                  : chord_between(crossings.at[1], crossings.at[0]);
 }
 
 // One border runs through the part at hand. False where the part has to be split to follow it.
-bool add_crossed(const Rival& rival, const Crossings& crossings, Work& work) {
+bool add_crossed(const Kin& kin, const Crossings& crossings, Work& work) {
   Section& section = work.section;
   Chord chord = chord_of(crossings);
-  const Course course = follow_border(section, rival, chord);
+  const Course course = follow_border(section, kin, chord);
   if (course == Course::unclear) return false;
   if (course == Course::outside) {
-    add_all(work, &rival);
+    add_all(work, &kin);
     return true;
   }
   Bulge bulge;
-  if (!integrate_bulge(work.kernels, section, rival, chord, bulge)) return false;
+  if (!integrate_bulge(work.kernels, section, kin, chord, bulge)) return false;
   cut_polygon(chord.across, dot(chord.across, chord.from), section.polygon);
   add_all(work);
   work.area += bulge.area;
@@ -138,14 +138,14 @@ bool add_crossed(const Rival& rival, const Crossings& crossings, Work& work) {
 // A part too small to be split: borders are their chords, and all else goes to whoever has its middle.
 void add_least(Point2 middle, double reach, Work& work) {
   const Polygon2 whole = work.section.polygon;
-  for (std::size_t i = 0; i < work.rival_count; ++i) {
-    const Rival& rival = work.rival[i];
+  for (std::size_t i = 0; i < work.kin_count; ++i) {
+    const Kin& kin = work.kin[i];
     Crossings crossings;
-    const Share share = share_with(rival, whole, middle, reach, crossings);
+    const Share share = share_with(kin, whole, middle, reach, crossings);
     if (share == Share::crossed) {
       const Chord chord = chord_of(crossings);
       cut_polygon(chord.across, dot(chord.across, chord.from), work.section.polygon);
-    } else if (share == Share::none || (share == Share::unclear && !(precedence(rival, middle) > 0))) {
+    } else if (share == Share::none || (share == Share::unclear && !(precedence(kin, middle) > 0))) {
       return;
     }
   }
@@ -173,17 +173,17 @@ Split split_across(const Polygon2& polygon, Point2 middle) {
   return split;
 }
 
-// About where the borders with both rivals meet; it may lie anywhere.
-Point2 meeting_of(const std::array<Rival, 2>& rivals, Point2 middle, double reach) {
+// About where the borders with both kin meet; it may lie anywhere.
+Point2 meeting_of(const std::array<Kin, 2>& kin, Point2 middle, double reach) {
   const double step = kSlopeStep * reach;
   Point2 p = middle;
   for (int i = 0; i < kMeetingSteps; ++i) {
     double value[2];
     Point2 slope[2];
     for (std::size_t k = 0; k < 2; ++k) {
-      value[k] = precedence(rivals[k], p);
-      slope[k] = {(precedence(rivals[k], {p.x + step, p.y}) - value[k]) / step,
-                  (precedence(rivals[k], {p.x, p.y + step}) - value[k]) / step};
+      value[k] = precedence(kin[k], p);
+      slope[k] = {(precedence(kin[k], {p.x + step, p.y}) - value[k]) / step,
+                  (precedence(kin[k], {p.x, p.y + step}) - value[k]) / step};
     }
     const double area = cross(slope[0], slope[1]);
     if (!(std::fabs(area) > kParallel)) return middle;
@@ -193,13 +193,12 @@ Point2 meeting_of(const std::array<Rival, 2>& rivals, Point2 middle, double reac
   return p;
 }
 
-// Where two rivals compete only the surroundings of the place where all three meet have to become small:
+// Where two kin compete only the surroundings of the place where all three meet have to become small:
 // split close by it, on the side where there is more of the part.
-Split split_by_meeting(const std::array<Rival, 2>& rivals, const Polygon2& polygon, Point2 middle,
-                       double reach) {
+Split split_by_meeting(const std::array<Kin, 2>& kin, const Polygon2& polygon, Point2 middle, double reach) {
   Split split = split_across(polygon, middle);
   const double length = std::sqrt(dot(split.normal, split.normal));
-  const Point2 along = (1 / length) * split.normal, meeting = meeting_of(rivals, middle, reach);
+  const Point2 along = (1 / length) * split.normal, meeting = meeting_of(kin, middle, reach);
   double low = 1e300, high = -1e300;
   for (std::size_t i = 0; i < polygon.count; ++i) {
     const double at = dot(along, polygon.corner[i] - meeting);
@@ -212,7 +211,7 @@ Split split_by_meeting(const std::array<Rival, 2>& rivals, const Polygon2& polyg
 
 // A border too curved for its chord is split in its middle, or where the joint is next to it, for there it
 // bends most; two of them at once along the strip between.
-Split split_for(const Rival& rival, const Crossings& crossings, const Polygon2& polygon, Point2 middle) {
+Split split_for(const Kin& kin, const Crossings& crossings, const Polygon2& polygon, Point2 middle) {
   const auto half = [&](std::size_t i, std::size_t k) { return 0.5 * (crossings.at[i] + crossings.at[k]); };
   const auto square = [&](std::size_t i, std::size_t k) {
     const Point2 d = crossings.at[i] - crossings.at[k];
@@ -220,15 +219,15 @@ Split split_for(const Rival& rival, const Crossings& crossings, const Polygon2& 
   };
   Split split = split_across(polygon, middle);
   if (crossings.count == 2) {
-    const Point2 chord = crossings.at[1] - crossings.at[0], joint{rival.first.joint.x, rival.first.joint.y};
+    const Point2 chord = crossings.at[1] - crossings.at[0], joint{kin.first.joint.x, kin.first.joint.y};
     const double along = dot(joint - crossings.at[0], chord), length2 = dot(chord, chord);
     const bool beside = along > kBeside * length2 && along < (1 - kBeside) * length2;
     if (length2 > 0) split = {beside ? joint : half(0, 1), chord};
   } else if (crossings.count == 4) {
     // One side of a near border is convex, so its parts at the edges hang together and the strip is theirs.
-    const bool mine_is_convex = (rival.border.side > 0) != rival.is_first;
-    const bool ends = rival.near ? mine_is_convex != crossings.leaving_first
-                                 : square(0, 1) + square(2, 3) < square(1, 2) + square(3, 0);
+    const bool mine_is_convex = (kin.border.side > 0) != kin.is_first;
+    const bool ends = kin.near ? mine_is_convex != crossings.leaving_first
+                               : square(0, 1) + square(2, 3) < square(1, 2) + square(3, 0);
     const Point2 from = ends ? half(0, 1) : half(1, 2), along = (ends ? half(2, 3) : half(3, 0)) - from;
     if (dot(along, along) > 0) split = {from, {along.y, -along.x}};
   }
@@ -249,7 +248,7 @@ void open_part(const Polygon2& polygon, int level, const Work& work, Parts& open
   if (polygon.count < 3) return;
   const Point2 middle = middle_of(polygon);
   const double reach = reach_of(polygon, middle);
-  const Cone& own = work.rival[0].own();
+  const Cone& own = work.kin[0].own();
   const double most = max(0, cone_field(own, sight_of(own, middle)) + reach);
   open.push_back(
       {polygon, middle, reach, stake_of(work, polygon, middle, reach), most * reach * reach, level});
@@ -273,13 +272,13 @@ void share_out(const Part& part, Work& work, Parts& open) {
   if (classify(work.section) == Overlap::apart) return;
   std::array<Share, 2> share{Share::all, Share::all};
   std::array<Crossings, 2> crossings;
-  for (std::size_t k = 0; k < work.rival_count; ++k) {
-    share[k] = share_with(work.rival[k], polygon, middle, reach, crossings[k]);
+  for (std::size_t k = 0; k < work.kin_count; ++k) {
+    share[k] = share_with(work.kin[k], polygon, middle, reach, crossings[k]);
     if (share[k] == Share::none) return;
   }
   if (share[0] != Share::all && share[1] != Share::all) {
-    // Where one rival is ahead of the other everywhere, the other one doesn't count. Two rivals with a sphere
-    // in common may have the same border with this tile, so this must not be left to splitting.
+    // Where one of two kin is ahead of the other everywhere, the other one doesn't count. Two kin with a
+    // sphere in common may have the same border with this tile, so this must not be left to splitting.
     Crossings ignored;
     const Share ahead = share_with(work.others, polygon, middle, reach, ignored);
     if (ahead == Share::all) share[1] = Share::all;
@@ -288,19 +287,19 @@ void share_out(const Part& part, Work& work, Parts& open) {
   if (share[0] == Share::all && share[1] == Share::all) return add_all(work);
   const std::size_t k = share[0] == Share::all ? 1 : 0;
   const bool one_border = share[k] == Share::crossed && share[1 - k] == Share::all;
-  if (one_border && add_crossed(work.rival[k], crossings[k], work)) return;
-  const double radius = work.rival[0].first.radius;
+  if (one_border && add_crossed(work.kin[k], crossings[k], work)) return;
+  const double radius = work.kin[0].first.radius;
   if (reach < kLeast * radius && stake < kLeastStake * radius * radius * radius) {
     work.section.polygon = polygon;
     return add_least(middle, reach, work);
   }
-  // Parts too large to be understood, or with two rivals, become smaller; those with one border flatter, but
+  // Parts too large to be understood, or with two kin, become smaller; those with one border flatter, but
   // every other time smaller as well.
   const bool flatter = one_border || (share[1 - k] == Share::all && crossings[k].count == 4 &&
-                                      (work.rival[k].near || level % 2 == 0));
+                                      (work.kin[k].near || level % 2 == 0));
   const bool compete = share[0] != Share::all && share[1] != Share::all;
-  const Split split = flatter   ? split_for(work.rival[k], crossings[k], polygon, middle)
-                      : compete ? split_by_meeting(work.rival, polygon, middle, reach)
+  const Split split = flatter   ? split_for(work.kin[k], crossings[k], polygon, middle)
+                      : compete ? split_by_meeting(work.kin, polygon, middle, reach)
                                 : split_across(polygon, middle);
   const double offset = dot(split.normal, split.point);
   Polygon2 one = polygon, other = polygon;
@@ -345,15 +344,15 @@ bool collide_shared(const Primitives& hand, const Primitive& tile, const TileBor
   Section section;
   if (!look_from_plane(cut, at, section)) return false;
   Work work{section, kernels, boundary};
-  const auto add_rival = [&](const Rival& rival) { work.rival[work.rival_count++] = rival; };
-  if (borders.inner) add_rival(joint_rival(section, hand, phalanx - 1, false));
-  if (borders.outer) add_rival(joint_rival(section, hand, phalanx, true));
-  if (borders.folded) add_rival(apart(section, hand, phalanx / 3, place == 0));
-  if (work.rival_count == 2) {
+  const auto add_kin = [&](const Kin& kin) { work.kin[work.kin_count++] = kin; };
+  if (borders.inner) add_kin(joint_kin(section, hand, phalanx - 1, false));
+  if (borders.outer) add_kin(joint_kin(section, hand, phalanx, true));
+  if (borders.folded) add_kin(apart(section, hand, phalanx / 3, place == 0));
+  if (work.kin_count == 2) {
     // First the neighbour, then the one beyond it; of the middle phalanx the inner one, then the outer one.
-    work.others = place == 0   ? joint_rival(section, hand, phalanx + 1, true)
+    work.others = place == 0   ? joint_kin(section, hand, phalanx + 1, true)
                   : place == 1 ? apart(section, hand, phalanx / 3, true)
-                               : joint_rival(section, hand, phalanx - 2, false);
+                               : joint_kin(section, hand, phalanx - 2, false);
   }
   Polygon2 polygon = section.polygon;
   cut_to_section(section, polygon);

@@ -23,11 +23,11 @@ constexpr double kSmall = 0.6;
 
 // An edge p + t d and what is found along it.
 struct Edge {
-  const Rival& rival;
+  const Kin& kin;
   Point2 p, d;
   double length;
   Crossings& crossings;
-  [[nodiscard]] double at(double t) const { return precedence(rival, p + t * d); }
+  [[nodiscard]] double at(double t) const { return precedence(kin, p + t * d); }
 };
 
 void add_root(const Edge& edge, double t0, double f0, double t1, double f1) {
@@ -74,14 +74,14 @@ double middle_of_crossings(const BorderCone& cone, Point2 p, Point2 d) {
   return a != 0 ? -b / a : -1;
 }
 
-void cross_edge(const Rival& rival, Point2 p, Point2 q, double at_p, double at_q, Crossings& crossings) {
+void cross_edge(const Kin& kin, Point2 p, Point2 q, double at_p, double at_q, Crossings& crossings) {
   const Point2 d = q - p;
-  const Edge edge{rival, p, d, std::sqrt(dot(d, d)), crossings};
+  const Edge edge{kin, p, d, std::sqrt(dot(d, d)), crossings};
   const bool same = (at_p > 0) == (at_q > 0);
   if (same && std::fabs(at_p) + std::fabs(at_q) > kPrecedenceSlope * edge.length) return;
-  if (rival.near) {
+  if (kin.near) {
     // Looked at even where only one crossing shows: if both ends lie on the border, rounding tells which.
-    const double t = middle_of_crossings(rival.border, p, d);
+    const double t = middle_of_crossings(kin.border, p, d);
     if (!(t > 0 && t < 1)) {
       if (!same) add_root(edge, 0, at_p, 1, at_q);
       return;
@@ -91,7 +91,7 @@ void cross_edge(const Rival& rival, Point2 p, Point2 q, double at_p, double at_q
     if ((f > 0) != (at_q > 0)) add_root(edge, t, f, 1, at_q);
     return;
   }
-  const double wanted = edge.length / (kShareStep * rival.first.radius);
+  const double wanted = edge.length / (kShareStep * kin.first.radius);
   const int steps = wanted < 1 ? 2 : wanted < 31 ? static_cast<int>(wanted) + 1 : 32;
   double t0 = 0, f0 = at_p;
   for (int i = 1; i <= steps; ++i) {
@@ -107,10 +107,10 @@ void cross_edge(const Rival& rival, Point2 p, Point2 q, double at_p, double at_q
 }
 
 // Can the far end of neither tile have a part in their border over this part of the plane?
-bool is_near(const Rival& rival, Point2 middle, double reach) {
-  if (rival.near) return true;
-  if (!rival.joined || rival.first.kind != Cone::hull || rival.second.kind != Cone::hull) return false;
-  for (const Cone* cone : {&rival.first, &rival.second}) {
+bool is_near(const Kin& kin, Point2 middle, double reach) {
+  if (kin.near) return true;
+  if (!kin.joined || kin.first.kind != Cone::hull || kin.second.kind != Cone::hull) return false;
+  for (const Cone* cone : {&kin.first, &kin.second}) {
     if (sight_of(*cone, middle).along + reach > cone->cosine * cone->length) return false;
   }
   return true;
@@ -118,12 +118,12 @@ bool is_near(const Rival& rival, Point2 middle, double reach) {
 
 // The plane cuts the border's cone in one curve, which may close; then the axis of one of the tiles pierces
 // the plane inside it.
-bool has_island(const Rival& rival, const Polygon2& polygon, bool mine) {
-  for (const Cone* cone : {&rival.first, &rival.second}) {
+bool has_island(const Kin& kin, const Polygon2& polygon, bool mine) {
+  for (const Cone* cone : {&kin.first, &kin.second}) {
     if (!(cone->axis.z * cone->joint.z < 0)) continue;
     const double t = -cone->joint.z / cone->axis.z;
     const Point2 p{cone->joint.x + t * cone->axis.x, cone->joint.y + t * cone->axis.y};
-    if (holds(polygon, cone->radius, p) && (precedence(rival, p) > 0) != mine) return true;
+    if (holds(polygon, cone->radius, p) && (precedence(kin, p) > 0) != mine) return true;
   }
   return false;
 }
@@ -143,10 +143,10 @@ bool is_higher(const Cone& higher, const Cone& lower, const Polygon2& polygon, P
 
 // Takes out crossings at the joint, two by two: an edge through a joint in the plane only touches the border
 // there, and rounding makes two crossings of that, whose chord has no direction.
-void remove_touches(const Rival& rival, Crossings& crossings) {
+void remove_touches(const Kin& kin, Crossings& crossings) {
   const auto at_joint = [&](std::size_t i) {
-    const Point2 d = crossings.at[i] - Point2{rival.first.joint.x, rival.first.joint.y};
-    return dot(d, d) < kTouch * kTouch * rival.first.radius * rival.first.radius;
+    const Point2 d = crossings.at[i] - Point2{kin.first.joint.x, kin.first.joint.y};
+    return dot(d, d) < kTouch * kTouch * kin.first.radius * kin.first.radius;
   };
   for (std::size_t i = 0; i + 1 < crossings.count; ++i) {
     if (!at_joint(i) || !at_joint(i + 1)) continue;
@@ -172,27 +172,26 @@ double farthest(const std::array<double, Polygon2::kMaxCorners>& value, std::siz
 
 }  // namespace
 
-Share share_with(const Rival& rival, const Polygon2& polygon, Point2 middle, double reach,
-                 Crossings& crossings) {
-  const double here = precedence(rival, middle);
+Share share_with(const Kin& kin, const Polygon2& polygon, Point2 middle, double reach, Crossings& crossings) {
+  const double here = precedence(kin, middle);
   if (std::fabs(here) > kPrecedenceSlope * reach) return here > 0 ? Share::all : Share::none;
   std::array<double, Polygon2::kMaxCorners> value;
-  for (std::size_t i = 0; i < polygon.count; ++i) value[i] = precedence(rival, polygon.corner[i]);
+  for (std::size_t i = 0; i < polygon.count; ++i) value[i] = precedence(kin, polygon.corner[i]);
   // What the fields alone tell spares the edges' search.
-  if (!rival.near && is_higher(rival.own(), rival.other(), polygon, middle)) return Share::all;
-  if (!rival.near && is_higher(rival.other(), rival.own(), polygon, middle)) return Share::none;
+  if (!kin.near && is_higher(kin.own(), kin.other(), polygon, middle)) return Share::all;
+  if (!kin.near && is_higher(kin.other(), kin.own(), polygon, middle)) return Share::none;
   for (std::size_t k = 0; k < polygon.count; ++k) {
     const std::size_t next = k + 1 == polygon.count ? 0 : k + 1;
-    cross_edge(rival, polygon.corner[k], polygon.corner[next], value[k], value[next], crossings);
+    cross_edge(kin, polygon.corner[k], polygon.corner[next], value[k], value[next], crossings);
   }
-  const bool near = is_near(rival, middle, reach);
-  remove_touches(rival, crossings);
+  const bool near = is_near(kin, middle, reach);
+  remove_touches(kin, crossings);
   if (crossings.count == 2) {
-    return near || reach < kSmall * rival.first.radius ? Share::crossed : Share::unclear;
+    return near || reach < kSmall * kin.first.radius ? Share::crossed : Share::unclear;
   }
   if (crossings.count > 0) return Share::unclear;
   const bool mine = farthest(value, polygon.count) > 0;
-  if (!near || has_island(rival, polygon, mine)) return Share::unclear;
+  if (!near || has_island(kin, polygon, mine)) return Share::unclear;
   return mine ? Share::all : Share::none;
 }
 

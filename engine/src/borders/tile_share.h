@@ -4,7 +4,7 @@
 #include <array>
 #include <cstdint>
 
-#include "borders/tile_rival.h"
+#include "borders/tile_kin.h"
 
 namespace lumbrical {
 
@@ -16,7 +16,7 @@ struct Crossings {
   bool leaving_first = false;  ///< the first of them leads out of the tile
 };
 
-/// What of a part is the tile's, as far as its rival goes.
+/// What of a part is the tile's, as far as its kin goes.
 enum class Share : std::uint8_t {
   all,
   none,
@@ -25,7 +25,6 @@ enum class Share : std::uint8_t {
 };
 
 /// The part has its corners within `reach` of its `middle` [m]. Adds to `crossings` [m].
-Share share_with(const Rival& rival, const Polygon2& polygon, Point2 middle, double reach,
-                 Crossings& crossings);
+Share share_with(const Kin& kin, const Polygon2& polygon, Point2 middle, double reach, Crossings& crossings);
 
 }  // namespace lumbrical

@@ -26,7 +26,7 @@ using ConePoint = Wide3<V>;
 template <class V>
 struct BorderChord {
   Wide2<V> from, along,
-      across;  // plane coordinates; the chord points `along`, `across` into the rival's part
+      across;  // plane coordinates; the chord points `along`, `across` into its kin's part
   V length;
   ConePoint<V> start;
   // x^2 + y^2 = z^2 is a h^2 + 2 (b + s tilt) h = bend s (length - s) - off - s drift in the height h over

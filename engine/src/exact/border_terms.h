@@ -31,7 +31,7 @@ struct BorderTerms {
   // Where both tiles' fields pass over to that of the joint's sphere, the product of this and a point from
   // the joint is 0.
   alignas(64) double ring[3][kCapacity];
-  // Where it crosses the triangle's edges [m] W, from the joint; the rival's part lies to the right.
+  // Where it crosses the triangle's edges [m] W, from the joint; its kin's part lies to the right.
   alignas(64) double from[3][kCapacity], to[3][kCapacity];
 
   // Results. The chord of the part of the border inside the section, or the whole one; no more than `height`
@@ -39,7 +39,7 @@ struct BorderTerms {
   // the tile's first end.
   alignas(64) double status[kCapacity];
   alignas(64) double start[3][kCapacity], end[3][kCapacity];         ///< [m] W, of the chord, from the joint
-  alignas(64) double across[3][kCapacity];                           ///< W, unit, into the rival's part
+  alignas(64) double across[3][kCapacity];                           ///< W, unit, into its kin's part
   alignas(64) double height[kCapacity];                              ///< [m]
   alignas(64) double area[kCapacity], volume[kCapacity];             ///< [m^2], [m^3]
   alignas(64) double area_first[3][kCapacity], first[3][kCapacity];  ///< [m^3], [m^4] W

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "base/set_bits.h"
-#include "borders/tile_rival.h"
+#include "borders/tile_kin.h"
 #include "model/corners.h"
 #include "section/palm_polygon.h"
 #include "section/quadratic_part.h"
@@ -113,7 +113,7 @@ class OverlapLoss {
     if (segment == kPalmSegment) return;
     const auto add = [&](std::size_t inner, bool is_first) {
       if (hand.present[inner] && hand.present[inner + 1])
-        rival_[count_++] = joint_rival(touched.plane, hand, inner, is_first);
+        kin_[count_++] = joint_kin(touched.plane, hand, inner, is_first);
     };
     if (segment % 3 > 0) add(segment - 1, false);
     if (segment % 3 < 2) add(segment, true);
@@ -146,7 +146,7 @@ class OverlapLoss {
   /// By how much a point is more the segment's than its neighbours' in the finger.
   [[nodiscard]] double lead(const Told& told) const {
     double lead = 1e300;
-    for (std::size_t k = 0; k < count_; ++k) lead = min(lead, precedence(rival_[k], told.at));
+    for (std::size_t k = 0; k < count_; ++k) lead = min(lead, precedence(kin_[k], told.at));
     if (across_ < kPhalanxCount) lead = min(lead, told.own - touched_.field(across_, told.at));
     return lead;
   }
@@ -240,7 +240,7 @@ class OverlapLoss {
   std::size_t across_ = kPhalanxCount;  // the tile that a folded finger's first or last meets here
   double radius_, tolerance_;           // [m], [m^3]
   Until until_ = kUntil;
-  std::array<Rival, 2> rival_;
+  std::array<Kin, 2> kin_;
 };
 
 bool touches_two_bodies(std::uint32_t segments) {

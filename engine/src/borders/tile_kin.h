@@ -99,7 +99,8 @@ struct BorderCone {
   Linear x, y, height;
 };
 
-struct Rival {
+/// A tile and one of its kin.
+struct Kin {
   Cone first, second;    ///< the inner and the outer phalanx; compared in this order by both
   bool joined = true;    ///< they have a joint in common; otherwise their fields are compared
   bool near = false;     ///< JointBorder::near
@@ -134,40 +135,40 @@ inline Cone cone_from(const Section& section, Vec3 joint, Vec3 end, double radiu
 }
 
 /// `phalanx` and the next one out, of which the tile in question is the first or the second.
-inline Rival joint_rival(const Section& section, const Primitives& hand, std::size_t phalanx, bool is_first) {
+inline Kin joint_kin(const Section& section, const Primitives& hand, std::size_t phalanx, bool is_first) {
   const Primitive &inner = hand.capsule[phalanx], &outer = hand.capsule[phalanx + 1];
   const JointBorder& border = hand.border[phalanx];
-  Rival rival;
-  rival.first = cone_from(section, inner.end2, inner.end1, inner.radius2, inner.radius1);
-  rival.second = cone_from(section, outer.end1, outer.end2, outer.radius1, outer.radius2);
-  rival.near = border.near;
-  rival.is_first = is_first;
+  Kin kin;
+  kin.first = cone_from(section, inner.end2, inner.end1, inner.radius2, inner.radius1);
+  kin.second = cone_from(section, outer.end1, outer.end2, outer.radius1, outer.radius2);
+  kin.near = border.near;
+  kin.is_first = is_first;
   const Vec3 centre = to_plane(section, border.centre);
   const auto linear = [&](Vec3 w) {
     const Vec3 d{dot(w, section.u), dot(w, section.v), dot(w, section.n)};
     return Linear{-dot(d, centre), {d.x, d.y}};
   };
-  rival.border = {border.side, linear(border.x), linear(border.y), linear(border.normal)};
-  return rival;
+  kin.border = {border.side, linear(border.x), linear(border.y), linear(border.normal)};
+  return kin;
 }
 
 /// Changes by no more than this per metre.
 inline constexpr double kPrecedenceSlope = 3;
 
-/// Positive where p belongs to the tile in question, negative where to its rival. [m]
-inline double precedence(const Rival& rival, Point2 p) {
-  if (rival.near) {
-    const BorderCone& cone = rival.border;
+/// Positive where p belongs to the tile in question, negative where to its kin. [m]
+inline double precedence(const Kin& kin, Point2 p) {
+  if (kin.near) {
+    const BorderCone& cone = kin.border;
     const double x = cone.x.at(p), y = cone.y.at(p);
     const double lead = cone.side * std::sqrt(x * x + y * y) - cone.height.at(p);
-    return rival.is_first ? lead : -lead;
+    return kin.is_first ? lead : -lead;
   }
-  const Sight first = sight_of(rival.first, p), second = sight_of(rival.second, p);
-  double lead = rival.joined ? lead_of(rival.first, first) - lead_of(rival.second, second)
-                             : cone_field(rival.first, first) - cone_field(rival.second, second);
+  const Sight first = sight_of(kin.first, p), second = sight_of(kin.second, p);
+  double lead = kin.joined ? lead_of(kin.first, first) - lead_of(kin.second, second)
+                           : cone_field(kin.first, first) - cone_field(kin.second, second);
   // Two tiles in one place: not rounding decides, the first one has it.
-  if (std::fabs(lead) < 1e-14 * rival.first.radius) lead = 1e-300;
-  return rival.is_first ? lead : -lead;
+  if (std::fabs(lead) < 1e-14 * kin.first.radius) lead = 1e-300;
+  return kin.is_first ? lead : -lead;
 }
 
 }  // namespace lumbrical
