@@ -22,9 +22,9 @@
 #include "accuracy_pairs.h"
 #include "accuracy_table.h"
 #include "base/floating_point.h"
+#include "borders/pair_contact.h"
 #include "machine.h"
 #include "read_number.h"
-#include "stages/narrowphase.h"
 #include "timing.h"
 #include "usage.h"
 

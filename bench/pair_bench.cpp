@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "borders/pair_contact.h"
 #include "mesh_world.h"
 #include "random.h"
 #include "stages/narrowphase.h"

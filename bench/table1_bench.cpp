@@ -5,6 +5,7 @@
 
 #include <string>
 
+#include "borders/pair_contact.h"
 #include "lumbrical/tick.h"
 #include "mesh_world.h"
 #include "random.h"

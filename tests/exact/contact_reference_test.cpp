@@ -13,12 +13,12 @@
 #include <string>
 #include <vector>
 
+#include "borders/pair_contact.h"
 #include "contact_pairs.h"
 #include "exact/round_pairs.h"
 #include "exact/through_lanes.h"
 #include "largest.h"
 #include "lumbrical/probe.h"
-#include "stages/narrowphase.h"
 
 namespace lumbrical {
 namespace {

@@ -5,9 +5,9 @@
 #include <limits>
 #include <numbers>
 
+#include "borders/pair_contact.h"
 #include "random.h"
 #include "session.h"
-#include "stages/narrowphase.h"
 
 namespace lumbrical {
 namespace {

@@ -10,6 +10,7 @@
 #include <numbers>
 #include <vector>
 
+#include "borders/pair_contact.h"
 #include "box_palm.h"
 #include "lumbrical/shapes.h"
 #include "matrix6.h"

@@ -8,9 +8,9 @@
 #include <regex>
 #include <string>
 
+#include "borders/pair_contact.h"
 #include "exact/exact_kernels.h"
 #include "random.h"
-#include "stages/narrowphase.h"
 
 namespace lumbrical::test {
 namespace {

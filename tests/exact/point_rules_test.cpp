@@ -6,10 +6,10 @@
 #include <cmath>
 #include <vector>
 
+#include "borders/pair_contact.h"
 #include "contact_pairs.h"
 #include "largest.h"
 #include "random.h"
-#include "stages/narrowphase.h"
 
 #define LUMBRICAL_ISA scalar
 #include "exact/point_rules.h"

@@ -5,8 +5,8 @@
 #include <array>
 #include <cmath>
 
+#include "borders/pair_contact.h"
 #include "random.h"
-#include "stages/narrowphase.h"
 
 namespace lumbrical::test {
 

@@ -7,6 +7,7 @@
 #include <cstring>
 #include <vector>
 
+#include "borders/pair_contact.h"
 #include "mesh_world.h"
 #include "random_pairs.h"
 #include "stages/narrowphase.h"

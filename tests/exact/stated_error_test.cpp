@@ -3,9 +3,9 @@
 
 #include <cmath>
 
+#include "borders/pair_contact.h"
 #include "contact_pairs.h"
 #include "random.h"
-#include "stages/narrowphase.h"
 
 namespace lumbrical::test {
 namespace {

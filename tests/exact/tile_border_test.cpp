@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "borders/border_cut.h"
+#include "borders/pair_contact.h"
 #include "borders/shared_contact.h"
 #include "largest.h"
 #include "shaped_finger.h"

@@ -7,11 +7,11 @@
 #include <string_view>
 #include <utility>
 
+#include "borders/pair_contact.h"
 #include "golden_hashes.h"
 #include "lumbrical/jacobian.h"
 #include "pressed_hand.h"
 #include "random.h"
-#include "stages/narrowphase.h"
 
 namespace lumbrical::test {
 namespace {

@@ -9,13 +9,13 @@
 #include <filesystem>
 
 #include "base/radix_sort.h"
+#include "borders/pair_contact.h"
 #include "index/sphere_grid.h"
 #include "index/sphere_tree.h"
 #include "model/corners.h"
 #include "pressed_hand.h"
 #include "random.h"
 #include "session.h"
-#include "stages/narrowphase.h"
 
 namespace lumbrical::test {
 namespace {

@@ -10,6 +10,7 @@
 #include "base/fixed_list.h"
 #include "base/parallel.h"
 #include "borders/border_pairs.h"
+#include "borders/general_contact.h"
 #include "borders/joint_border.h"
 #include "exact/pair_slots.h"
 #include "exact/round_pairs.h"
@@ -347,37 +348,6 @@ void keep_in_triangle(const Triangles& world, Contact& contact) {
 }
 
 }  // namespace
-
-bool collide(const Primitive& primitive, const ContactQuery& query, const Corners& at, Boundary& boundary,
-             Contact& contact) {
-  if (!suits_lanes(primitive) || query.law != Law::field)
-    return general_contact(primitive, query, at, boundary, contact);
-  const RoundHull hull = round_hull(primitive);
-  const Corners seen = seen_from(hull.origin, at);
-  RoundTerms terms;
-  terms.depths = true;
-  set_kind(kind_of(query.kernels, hull, seen), hull.cut_count, terms);
-  const auto gather = [&](const RoundHull& of, std::size_t k, RoundTerms& to) {
-    put_pair(of, seen, of.cut, k, to);
-  };
-  contact.area = 0;
-  double status = kUnsure;
-  const std::span<const RoundHull> alone(&hull, 1);
-  through_lanes(alone, terms, query.kernels.round_contacts, gather,
-                [&](const RoundHull&, std::size_t k, const RoundTerms& from) {
-                  status = from.status[k];
-                  if (status == kContact || status == kSlivers) read_contact(from, k, hull.origin, contact);
-                });
-  for (terms.patient = false; status == kSlivers; terms.patient = true) {
-    through_lanes(alone, terms, query.kernels.cone_slivers, gather,
-                  [&](const RoundHull&, std::size_t k, const RoundTerms& from) {
-                    status = from.status[k] == kContact || terms.patient ? from.status[k] : kSlivers;
-                    if (status == kContact) add_sliver(from, k, hull.origin, contact);
-                  });
-  }
-  if (status == kUnsure) return general_contact(primitive, query, at, boundary, contact);
-  return contact.area > 0;
-}
 
 std::uint32_t find_contacts(const Model& model, const Primitives& hand,
                             std::span<const std::uint64_t> candidates, std::span<Contact> contacts) {

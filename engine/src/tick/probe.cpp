@@ -4,7 +4,7 @@
 #include <string>
 
 #include "base/floating_point.h"
-#include "stages/narrowphase.h"
+#include "borders/pair_contact.h"
 
 namespace lumbrical {
 namespace {
