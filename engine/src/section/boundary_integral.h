@@ -52,33 +52,45 @@ inline constexpr double kFinest = 2e-4;
 /// Two nearer each other are one, as a share of the interval.
 inline constexpr double kLeastGap = 1e-7;
 
+/// Singularities seen from an interval: how far from it are the nearest two to either side of its middle, and
+/// the nearest that is not weak; or the first that lies inside, which divides it.
+struct Surroundings {
+  const Singularity* inside = nullptr;
+  double left = 1e300, right = 1e300, second_left = 1e300, second_right = 1e300, strong = 1e300;
+};
+inline Surroundings surroundings_of(double lower, double upper, const Singularities& singularities) {
+  const double length = upper - lower;
+  Surroundings near;
+  for (std::size_t i = 0; i < singularities.count; ++i) {
+    const Singularity& point = singularities.point[i];
+    const bool inside =
+        length > kShortest && point.at > lower + 1e-9 * length && point.at < upper - 1e-9 * length;
+    if (inside && point.blur < length) {
+      near.inside = &point;
+      return near;
+    }
+    const bool is_left = point.at < 0.5 * (lower + upper);
+    const double distance = max(0, max(lower - point.at, point.at - upper)) + point.blur;
+    double &side = is_left ? near.left : near.right, &second = is_left ? near.second_left : near.second_right;
+    second = min(second, max(side, distance));
+    side = min(side, distance);
+    if (!point.weak) near.strong = min(near.strong, distance);
+  }
+  return near;
+}
+
 /// Calls f(t, weight) at nodes for the integral over lower <= t <= upper.
 template <class F>
 void graded_nodes(double lower, double upper, const Singularities& singularities, F&& f) {
   const double length = upper - lower;
   if (!(length > 0)) return;
-  double left = 1e300, right = 1e300, strong = 1e300, second_left = 1e300, second_right = 1e300;
-  const bool divisible = length > kShortest;
-  for (std::size_t i = 0; i < singularities.count; ++i) {
-    const Singularity point = singularities.point[i];
-    const bool inside = divisible && point.at > lower + 1e-9 * length && point.at < upper - 1e-9 * length;
-    if (inside && point.blur < length) {
-      graded_nodes(lower, point.at, singularities, f);
-      graded_nodes(point.at, upper, singularities, f);
-      return;
-    }
-    const bool is_left = point.at < 0.5 * (lower + upper);
-    const double distance = max(0, max(lower - point.at, point.at - upper)) + point.blur;
-    double &side = is_left ? left : right, &second = is_left ? second_left : second_right;
-    second = min(second, max(side, distance));
-    side = min(side, distance);
-    if (!point.weak) strong = min(strong, distance);
-  }
-  const auto divide_at_quarter = [&] {
-    const double quarter = left < right ? lower + 0.25 * length : upper - 0.25 * length;
-    graded_nodes(lower, quarter, singularities, f);
-    graded_nodes(quarter, upper, singularities, f);
+  const auto [inside, left, right, second_left, second_right, strong] =
+      surroundings_of(lower, upper, singularities);
+  const auto divide_at = [&](double t) {
+    graded_nodes(lower, t, singularities, f);
+    graded_nodes(t, upper, singularities, f);
   };
+  if (inside != nullptr) return divide_at(inside->at);
   const auto plain = [&](const auto& rule) {
     for (const GaussNode& node : rule) f(lower + length * node.at, length * node.weight);
   };
@@ -86,14 +98,13 @@ void graded_nodes(double lower, double upper, const Singularities& singularities
   const double scale = singularities.coarse ? length / 3 : length;
   const double near = 1.5 * scale, nearest = min(left, right);
   const double gap = left < right ? second_left - left : second_right - right;
-  const double middle = 0.5 * (lower + upper);
-  if (left < near && right < near && divisible) {
-    graded_nodes(lower, middle, singularities, f);
-    graded_nodes(middle, upper, singularities, f);
+  const double quarter = left < right ? lower + 0.25 * length : upper - 0.25 * length;
+  if (left < near && right < near && length > kShortest) {
+    divide_at(0.5 * (lower + upper));
   } else if (singularities.refine && strong < 0.3 * length && length > kFinest) {
-    divide_at_quarter();
+    divide_at(quarter);
   } else if (singularities.crowded && nearest < near && gap > kLeastGap * length && gap < 0.1 * length) {
-    divide_at_quarter();
+    divide_at(quarter);
   } else if (singularities.refine && nearest < near && nearest == strong && length > kFinest) {
     plain(kGauss16);
   } else if (nearest < near) {
