@@ -2,6 +2,7 @@
 // between it and the border, one source for every instruction set. A tile's border in a triangle is a lane.
 #pragma once
 
+#include "base/always_inline.h"
 #include "base/gauss.h"
 #include "exact/border_chord.h"
 #include "exact/field_across.h"
@@ -223,10 +224,37 @@ BulgeSum<V> bulge_over(const RoundPart<V>& part, const RoundPlane<V>& plane, con
   return sum;
 }
 
+// The chord of the stretch of a border inside the section, from which the field must not fall below zero.
+template <class V>
+struct InnerChord {
+  BorderChord<V> chord;
+  Wide2<V> step;  // from the start of the whole chord to its own
+  V good;         // 0 where there is none
+};
+template <class V>
+LUMBRICAL_INLINE inline InnerChord<V> chord_inside(const RoundPart<V>& part, const RoundPlane<V>& plane,
+                                                   const PlaneCone<V>& cone, const BorderChord<V>& whole,
+                                                   const Stretch<V>& stretch) {
+  const V zero = number<V>(0), inside = number<V>(kBorderInside);
+  V good = number<V>(1);
+  const V first_height = height_at(cone, whole, stretch.from, good).at;
+  const V last_height = height_at(cone, whole, stretch.to, good).at;
+  const Wide2<V> step = stretch.from * whole.along + first_height * whole.across;
+  const Wide2<V> last = whole.from + stretch.to * whole.along + last_height * whole.across;
+  const ConePoint<V> start =
+      whole.start + ConePoint<V>{dot(cone.x, step), dot(cone.y, step), dot(cone.z, step)};
+  InnerChord<V> inner{chord_over(cone, whole.from + step, last, start), step, zero};
+  const BorderChord<V>& chord = inner.chord;
+  good = select(chord.good > zero, good, zero);
+  const V middle = field_on(part, plane, cone, chord, number<V>(0.5) * chord.length, good).phi;
+  good = select(middle >= zero - number<V>(kFieldRounding) * part.radius1, good, zero);
+  inner.good = select(stretch.status == inside, good, zero);
+  return inner;
+}
+
 template <class V>
 void border_bulges(BorderTerms& terms) {
-  const V zero = number<V>(0), one = number<V>(1);
-  const V inside = number<V>(kBorderInside), unclear = number<V>(kBorderUnclear);
+  const V zero = number<V>(0), inside = number<V>(kBorderInside), unclear = number<V>(kBorderUnclear);
   for (std::size_t i = 0; i < terms.count; i += wide::Lanes<V>::kCount) {
     const auto row = [i](const double* from) { return get(from + i, V{}); };
     const RoundPart<V> part = round_part(row(terms.length), row(terms.radius1), row(terms.radius2),
@@ -243,18 +271,10 @@ void border_bulges(BorderTerms& terms) {
                                             ConePoint<V>{dot(x, from), dot(y, from), dot(z, from)});
     const Stretch<V> stretch = follow(part, plane, cone, whole);
 
-    V good = one;
-    const V first_height = height_at(cone, whole, stretch.from, good).at;
-    const V last_height = height_at(cone, whole, stretch.to, good).at;
-    const Wide2<V> step = stretch.from * whole.along + first_height * whole.across;
-    const Wide2<V> last = whole.from + stretch.to * whole.along + last_height * whole.across;
-    const ConePoint<V> start =
-        whole.start + ConePoint<V>{dot(cone.x, step), dot(cone.y, step), dot(cone.z, step)};
-    const BorderChord<V> chord = chord_over(cone, whole.from + step, last, start);
-    good = select(chord.good > zero, good, zero);
-    const V middle = field_on(part, plane, cone, chord, number<V>(0.5) * chord.length, good).phi;
-    good = select(middle >= zero - number<V>(kFieldRounding) * part.radius1, good, zero);
-    good = select(stretch.status == inside, good, zero);
+    const InnerChord<V> inner = chord_inside(part, plane, cone, whole, stretch);
+    const BorderChord<V>& chord = inner.chord;
+    const Wide2<V> step = inner.step;
+    V good = inner.good;
     BulgeSum<V> sum{zero, zero, zero, zero, zero, zero};
     if (any(good > zero)) {
       const Wide3<V> ring = vector_at<V>(terms.ring, i);
