@@ -31,7 +31,7 @@ Moments<V> section_area(const RoundPart<V>& part, const RoundPlane<V>& plane, co
 
 template <class V>
 void paper_contacts(RoundTerms& terms) {
-  const V zero = number<V>(0), one = number<V>(1), unsure = number<V>(kUnsure);
+  const V zero = number<V>(0);
   for (std::size_t i = 0; i < terms.count; i += wide::Lanes<V>::kCount) {
     const auto [part, plane, polygon, all, along_cut, met, whole] = pair_at<V>(terms, i);
     const V r = part.radius1;
@@ -45,18 +45,12 @@ void paper_contacts(RoundTerms& terms) {
     Moments<V> sum = no_moments<V>();
     V lost = zero;
     if (any(rimmed)) sum = section_area(part, plane, side, polygon, all, rimmed, directions, inside, lost);
-    sum.area = select(whole, all.area, sum.area);
-    sum.area_x = select(whole, all.area_x, sum.area_x);
-    sum.area_y = select(whole, all.area_y, sum.area_y);
+    take_whole(all, whole, sum);
 
-    const V least = select(whole, zero, number<V>(kLeastArea) * (r * min(r, all.size)));
+    const V least = least_area(all, whole, r);
     const auto had = closed && (whole || lost == zero), contact = had && sum.area > least;
     const Deepest<V> deepest = largest_depth(part, plane, side, polygon, directions, inside, contact);
-    V status = select(met, unsure, zero);
-    status = select(had, zero, status);
-    status = select(contact, one, status);
-    status = select(along_cut, unsure, status);
-    put(terms.status + i, status);
+    put(terms.status + i, status_of(met, had, contact, along_cut, number<V>(kContact)));
     put_contact(plane, sum, deepest.depth, zero, middle_of(sum.area, sum.area_x, sum.area_y), deepest.point,
                 i, terms);
   }

@@ -98,7 +98,7 @@ PointSum<V> whole_by_points(const RoundPart<V>& part, const RoundPlane<V>& plane
 
 template <class V>
 void round_contacts(RoundTerms& terms) {
-  const V zero = number<V>(0), one = number<V>(1), unsure = number<V>(kUnsure);
+  const V zero = number<V>(0);
   for (std::size_t i = 0; i < terms.count; i += wide::Lanes<V>::kCount) {
     const auto [part, plane, polygon, all, along_cut, met, whole] = pair_at<V>(terms, i);
     const V r = part.radius1;
@@ -121,26 +121,20 @@ void round_contacts(RoundTerms& terms) {
     if (any(closed))
       sum = section_moments(part, plane, side, polygon, all, most, terms.flat, closed, whole, directions,
                             inside, lost);
-    sum.area = select(whole, all.area, sum.area);
-    sum.area_x = select(whole, all.area_x, sum.area_x);
-    sum.area_y = select(whole, all.area_y, sum.area_y);
+    take_whole(all, whole, sum);
     sum.volume = select(pointwise, points.volume * all.area, sum.volume);
     sum.volume_x = select(pointwise, points.volume_x * all.area, sum.volume_x);
     sum.volume_y = select(pointwise, points.volume_y * all.area, sum.volume_y);
 
-    const V least = select(whole, zero, number<V>(kLeastArea) * (r * min(r, all.size)));
+    const V least = least_area(all, whole, r);
     const V error = select(pointwise, points.error * all.area + rounded_off(r, all.size), exactness) +
                     plane.rounded * sum.area;
     const auto had = closed && lost == zero, contact = (pointwise || had) && sum.area > least;
     const V depth =
         terms.depths ? largest_depth(part, plane, side, polygon, directions, inside, contact).depth : zero;
-    V status = select(open, unsure, zero);
-    status = select(had, zero, status);
-    status = select(contact, one, status);
-    if (part.cone)
-      status = select(contact && had && meets_slivers(part, plane, side, all), number<V>(kSlivers), status);
-    status = select(along_cut, unsure, status);
-    put(terms.status + i, status);
+    V found = number<V>(kContact);
+    if (part.cone) found = select(had && meets_slivers(part, plane, side, all), number<V>(kSlivers), found);
+    put(terms.status + i, status_of(open, had, contact, along_cut, found));
     const Wide2<V> centroid = middle_of(sum.area, sum.area_x, sum.area_y);
     const Wide2<V> pressed = middle_of(sum.volume, sum.volume_x, sum.volume_y);
     put_contact(plane, sum, depth, error, centroid, select(sum.volume > zero, pressed, centroid), i, terms);

@@ -2,6 +2,7 @@
 // the parts of edges inside, and where the finds go.
 #pragma once
 
+#include "base/always_inline.h"
 #include "exact/cone_integrals.h"
 
 namespace lumbrical::LUMBRICAL_ISA {
@@ -73,6 +74,28 @@ template <class V>
 inline auto has_deepest_point(const RoundPart<V>& part, const RoundPlane<V>& plane, bool flat) {
   const V zero = number<V>(0), through = flat ? zero : zero - beyond<V>();
   return plane.h1 + part.radius1 > through && plane.h2 + part.radius2 > through;
+}
+
+// The area of polygons wholly inside is known.
+template <class V, class M>
+LUMBRICAL_INLINE inline void take_whole(const Corners<V>& all, M whole, Moments<V>& sum) {
+  sum.area = select(whole, all.area, sum.area);
+  sum.area_x = select(whole, all.area_x, sum.area_x);
+  sum.area_y = select(whole, all.area_y, sum.area_y);
+}
+
+// What an area has to exceed.
+template <class V, class M>
+LUMBRICAL_INLINE inline V least_area(const Corners<V>& all, M whole, V radius) {
+  return select(whole, number<V>(0), number<V>(kLeastArea) * (radius * min(radius, all.size)));
+}
+
+// What became of a pair that was `open`, whose integrals were `had`: `found` if it is a contact.
+template <class V, class M>
+LUMBRICAL_INLINE inline V status_of(M open, M had, M contact, M along_cut, V found) {
+  const V zero = number<V>(0), unsure = number<V>(kUnsure);
+  const V left = select(had, zero, select(open, unsure, zero));
+  return select(along_cut, unsure, select(contact, found, left));
 }
 
 // Of edges wholly inside everything counts.
