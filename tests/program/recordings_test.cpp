@@ -422,6 +422,20 @@ TEST(CommandLine, ReplayTracesAndWeighsAChange) {
   }
 }
 
+TEST(CommandLine, AnotherMeshIsTurnedAndToldOf) {
+  const fs::path folder = folder_with_demo();
+  std::ofstream(folder / "in.obj") << cube_text(true);
+  ASSERT_EQ(shell("lumbrical run demo.json --ticks 5 --record a.mcap", folder).exit_code, 0);
+  const std::string name =
+      shell("lumbrical info a.mcap --json", folder).json()["scene"]["objects"][0]["name"];
+  const std::string replay = "lumbrical replay a.mcap --mesh '" + name + "=in.obj'";
+  const Outcome text = shell(replay, folder);
+  EXPECT_NE(text.output.find("1 of 1 part turned outside out, 12 triangles"), std::string::npos)
+      << text.output << text.error;
+  const nlohmann::json windings = shell(replay + " --json", folder).json()["what_if"]["windings"];
+  EXPECT_EQ(windings[name]["turned_triangles"], 12);
+}
+
 TEST(CommandLine, WhatIfIsKeptAsARecordingOfItsOwn) {
   const fs::path folder = folder_with_demo();
   ASSERT_EQ(shell("lumbrical run demo.json --ticks 2000 --record a.mcap", folder).exit_code, 0);

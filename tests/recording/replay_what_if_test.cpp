@@ -2,6 +2,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <utility>
+#include <vector>
 
 #include "touch_session.h"
 
@@ -107,6 +109,85 @@ TEST_P(WhatIf, SaysWhatAnotherMeshWouldChange) {
   options.mesh = {{"bowl", options.mesh["ball"]}};
   const Status status = what_if_file(path_, options, result);
   EXPECT_NE(status.message().find("no object \"bowl\""), std::string::npos) << status.message();
+}
+
+constexpr Pose kAskew{{0.004, -0.003, 0.01}, {0.8, 0.6, 0, 0}};
+
+// The ball in the world frame stands for itself, inside out.
+Mesh ball_in_the_world(const Mesh& own) {
+  Mesh mesh = own;
+  place_mesh(kAskew, mesh);
+  for (Triangle& triangle : mesh.triangles) std::swap(triangle[1], triangle[2]);
+  return mesh;
+}
+
+std::vector<SceneObject> balls_of_all_kinds() {
+  const Mesh mesh = make_sphere(0.04, 4);
+  SceneObject still{"still", mesh}, rubbing{"rubbing", mesh}, slider{"slider", mesh};
+  place_mesh(kAskew, still.mesh);
+  rubbing.material = {0.5, 0.4, 0, 1000};
+  slider.mechanism.mobility = Mobility::slider;
+  slider.mechanism.body = {0.2, {}, {1e-4, 1e-4, 1e-4, 0, 0, 0}};
+  slider.mechanism.axis = {0, 1, 0};
+  slider.mechanism.spring = 500;
+  rubbing.pose = slider.pose = kAskew;
+  return {still, rubbing, slider};
+}
+
+void record_ball(const std::string& path, const SceneObject& ball) {
+  Scene scene = touch_scene();
+  scene.objects = {ball};
+  Model model;
+  ASSERT_TRUE(build_model(scene, {}, model).ok());
+  Recorder recorder;
+  ASSERT_TRUE(recorder.open(cleared(path), scene_of(model), {}).ok());
+  State state = make_state(model);
+  Scratch scratch = make_scratch(model);
+  for (std::uint64_t i = 0; i < kTicks; ++i) {
+    TickRecord record;
+    record.device = touch_frame(i, InputKind::joint_angles, scene.hand);
+    record.output = tick(model, state, scratch, record.device);
+    take_results(state, scratch, record);
+    ASSERT_TRUE(recorder.record(record, &state));
+  }
+  ASSERT_TRUE(recorder.close().ok());
+}
+
+TEST(WhatIfMesh, StandsInTheWorldAndFacesOutwardsWhateverItStandsFor) {
+  const std::string path = temporary_path("ball.mcap");
+  for (const SceneObject& ball : balls_of_all_kinds()) {
+    record_ball(path, ball);
+    ReplayOptions options;
+    options.mesh[ball.name] = ball_in_the_world(make_sphere(0.04, 4));
+    WhatIfResult same, higher;
+    const Status status = what_if_file(path, options, same);
+    ASSERT_TRUE(status.ok()) << status.message();
+    for (Vec3& vertex : options.mesh[ball.name].vertices) vertex.z += 0.002;
+    ASSERT_TRUE(what_if_file(path, options, higher).ok());
+    double rounding = 0, largest = 0;
+    for (const Change& change : same.force) rounding = std::fmax(rounding, change.max);
+    for (const Change& change : higher.force) largest = std::fmax(largest, change.max);
+    EXPECT_LT(rounding, 1e-6) << ball.name;
+    EXPECT_GT(largest, 0.1) << ball.name;
+    ASSERT_EQ(same.replaced.size(), 1u);
+    EXPECT_EQ(same.replaced[0].name, ball.name);
+    EXPECT_EQ(same.replaced[0].winding.turned_parts, 1u);
+  }
+}
+
+TEST(WhatIfMesh, OfAnObjectWithFrictionFactorsHasAsManyTriangles) {
+  const std::string path = temporary_path("factors.mcap");
+  SceneObject ball = balls_of_all_kinds()[1];
+  ball.surface.friction_factor.assign(ball.mesh.triangles.size(), 0.5);
+  record_ball(path, ball);
+  ReplayOptions options;
+  options.mesh["rubbing"] = ball_in_the_world(ball.mesh);
+  WhatIfResult result;
+  ASSERT_TRUE(what_if_file(path, options, result).ok());
+  options.mesh["rubbing"].triangles.pop_back();
+  const Status status = what_if_file(path, options, result);
+  EXPECT_NE(status.message().find("object \"rubbing\" has a friction factor for each"), std::string::npos)
+      << status.message();
 }
 
 }  // namespace

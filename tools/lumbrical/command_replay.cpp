@@ -280,7 +280,9 @@ void add_replay(Command& app, int& exit_code) {
   command->add_option("--precision", switches->precision, std::string("What if: ") + kPrecisionHelp)
       ->check(is_precision());
   command->add_option("--stiffness", switches->stiffness, "What if: K_s [N/m^3]")->check(is_stiffness());
-  command->add_option("--mesh", switches->meshes, "What if: another mesh, placed in the world, for an object")
+  command
+      ->add_option("--mesh", switches->meshes,
+                   "What if: another mesh for an object, as it stands in the world at the start")
       ->repeatable()
       ->type_name("NAME=FILE");
   command->add_option("--unit", switches->unit, "Of the meshes' numbers")

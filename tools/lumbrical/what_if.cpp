@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <array>
 
+#include "winding_text.h"
+
 namespace lumbrical::tool {
 namespace {
 
@@ -59,6 +61,7 @@ Json what_if_json(const WhatIfResult& result) {
   }
   for (std::size_t s = 0; s < result.torque.size(); ++s)
     json["torque"][std::string(segment_name(static_cast<int>(s)))] = change_json(result.torque[s]);
+  for (const World::Object& object : result.replaced) json["windings"][object.name] = to_json(object.winding);
   json["tick_us"] = {{"recorded", kMicroseconds * result.recorded_time},
                      {"unchanged", kMicroseconds * result.baseline_time},
                      {"changed", kMicroseconds * result.changed_time}};
@@ -67,6 +70,7 @@ Json what_if_json(const WhatIfResult& result) {
 
 std::string what_if_text(const WhatIfResult& result) {
   Table table;
+  add_windings(result.replaced, table);
   for (std::size_t part = 0; part < result.force.size(); ++part) {
     const Change &force = result.force[part], &jnd = result.force_jnd[part];
     table.add(part == 0 ? "force changes by" : "",

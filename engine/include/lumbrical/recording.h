@@ -285,7 +285,8 @@ struct ReplayOptions {
   std::optional<Law> law;           ///< "what if": replaces the recorded law of every segment
   std::optional<double> stiffness;  ///< [N/m^3]
   std::optional<double> precision;  ///< of every segment; 0: exact
-  /// "What if": objects by their names in the scene; other meshes take their places, in the world frame [m].
+  /// "What if": objects by their names in the scene; other meshes take their places, in the world frame [m]
+  /// as the objects stand at the session's start, and are turned outside out as those of scene files are.
   std::map<std::string, Mesh> mesh;
   std::string world;  ///< for RecordingReader::find_world
   /// "What if": what_if writes the changed session here, a recording like any other; empty: nowhere. Of whole
@@ -341,7 +342,8 @@ struct WhatIfResult {
   /// Ticks whose forces the file leaves out and whose hash says that this build computes others than were
   /// recorded.
   std::uint64_t unlike_recorded = 0;
-  double recorded_time = 0;  ///< [s] mean per tick as recorded, on whatever machine that was
+  std::vector<World::Object> replaced;  ///< the objects of ReplayOptions::mesh: what was turned of them
+  double recorded_time = 0;             ///< [s] mean per tick as recorded, on whatever machine that was
   double baseline_time = 0;  ///< [s] mean per tick of the recorded scene here, searched by the default
   double changed_time = 0;   ///< [s] mean per tick of the changed scene here
 };

@@ -56,6 +56,21 @@ Status compare_scenes(const RecordingReader& a, const RecordingReader& b, Replay
   return {};
 }
 
+// A mesh in the world frame takes an object's place. Nobody has asked yet which way it is wound.
+Status replace_mesh(const Mesh& mesh, SceneObject& object) {
+  const std::size_t factors = object.surface.friction_factor.size();
+  if (factors > 0 && factors != mesh.triangles.size())
+    return Status::error("object \"" + object.name + "\" has a friction factor for each of its " +
+                         std::to_string(factors) + " triangles, and the mesh in its place has " +
+                         std::to_string(mesh.triangles.size()) +
+                         "; give one of as many, in the same order, or record a scene without friction_file");
+  object.mesh = mesh;
+  object.winding = Winding::automatic;
+  if (is_apart(object))
+    place_mesh(inverse({object.pose.position, normalized(object.pose.orientation)}), object.mesh);
+  return {};
+}
+
 }  // namespace
 
 Status scene_for(RecordingReader& reader, const ReplayOptions& options, Scene& scene) {
@@ -74,7 +89,8 @@ Status scene_for(RecordingReader& reader, const ReplayOptions& options, Scene& s
     if (object == scene.objects.end())
       return Status::error(reader.info().path + ": the scene has no object \"" + name +
                            "\"; lumbrical info lists them");
-    object->mesh = other.second;
+    if (Status status = replace_mesh(other.second, *object); !status.ok())
+      return broken(reader, status.message());
   }
   return {};
 }
