@@ -64,9 +64,9 @@ Mechanism mechanism_of(const Moves& given, const SceneObject& object) {
                               "way to move: fixed, given, free, hinge, slider or ball");
   check(check_weight(mechanism.mobility, given.density, given.mass));
   mechanism.body = mass_of(object.mesh, object.winding, given.density, given.mass);
-  if (!moves_by_itself(mechanism)) return mechanism;
   mechanism.damping = given.damping;
-  mechanism.pivot = given.pivot.is_none() ? object.pose.position : vec3_of(given.pivot, "pivot");
+  if (moves_by_itself(mechanism))
+    mechanism.pivot = given.pivot.is_none() ? object.pose.position : vec3_of(given.pivot, "pivot");
   mechanism.axis = unit_or(vec3_of(given.axis, "axis"), {});
   mechanism.lower = given.lower;
   mechanism.upper = given.upper;

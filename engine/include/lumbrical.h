@@ -176,9 +176,10 @@ typedef struct lumbrical_object {
   /* ---- of what moves by itself, and where one likes of GIVEN; the mesh must be closed */
   double density; /* [kg/m^3] of the solid inside the mesh, 0.001 .. 1e5; or */
   double mass;    /* [kg] of all of it, 1e-6 .. 1e6 */
-  double damping; /* [N s/m], [N m s/rad] 0 .. 1e6: 0 */
-  /* ---- of HINGE, SLIDER and BALL; the coordinate is the hinge's angle or the slider's way from the start */
-  double pivot[3];       /* [m] in W, at the start; not by itself the object's position: 0 0 0 */
+  double damping; /* [N s/m], [N m s/rad] 0 .. 1e6, not of GIVEN: 0 */
+  /* ---- of HINGE, SLIDER and BALL */
+  double pivot[3]; /* [m] in W, at the start; not by itself the object's position: 0 0 0 */
+  /* ---- of HINGE and SLIDER; the coordinate is the hinge's angle or the slider's way from the start */
   double axis[3];        /* unit, in W: 0 0 1 */
   double lower, upper;   /* of the coordinate, -1000 .. 0 and 0 .. 1000: -1000, 1000 */
   double spring, rest;   /* [N/m], [N m/rad] 0 .. 1e9, and where it is slack, -1000 .. 1000: 0, 0 */

@@ -57,6 +57,25 @@ TEST(CApiMistakes, NullPointersAreToldByName) {
   lumbrical_reader_close(nullptr);
 }
 
+TEST(CApiMistakes, WhatDoesNotActOnWhatMovesSoIsRefusedInAnyAxes) {
+  for (const std::int32_t mobility : {LUMBRICAL_FIXED, LUMBRICAL_FREE, LUMBRICAL_BALL}) {
+    MeshObject ball(ball_scene().objects[0].mesh);
+    ball.object.mobility = mobility;
+    ball.object.convention = LUMBRICAL_UNITY;
+    if (mobility != LUMBRICAL_FIXED) ball.object.mass = 0.1;
+    lumbrical_scene* scene = nullptr;
+    lumbrical_model* model = nullptr;
+    ASSERT_EQ(lumbrical_scene_create(LUMBRICAL_RIGHT, 0.19, &scene), LUMBRICAL_OK);
+    ASSERT_EQ(lumbrical_scene_add_object(scene, &ball.object), LUMBRICAL_OK) << lumbrical_message();
+    EXPECT_EQ(lumbrical_model_build(scene, nullptr, &model), LUMBRICAL_OK) << lumbrical_message();
+    lumbrical_model_destroy(model);
+    ball.object.spring = 1;
+    ASSERT_EQ(lumbrical_scene_add_object(scene, &ball.object), LUMBRICAL_OK) << lumbrical_message();
+    expect_refused(lumbrical_model_build(scene, nullptr, &model), LUMBRICAL_BAD_DATA, "spring acts on");
+    lumbrical_scene_destroy(scene);
+  }
+}
+
 TEST(CApiMistakes, StructsOfAnotherSizeAreRefused) {
   CSession c(MeshObject(ball_scene().objects[0].mesh).object);
   lumbrical_frame frame = touching_frame_c(0);

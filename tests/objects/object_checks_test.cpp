@@ -95,6 +95,33 @@ TEST(ObjectChecks, WhatCanNotBeIsRefusedByName) {
   EXPECT_NE(build_model(crowd, {}, model).message().find("32768"), std::string::npos);
 }
 
+TEST(ObjectChecks, WhatDoesNotActOnWhatMovesSoIsRefusedByName) {
+  const auto refusal = [](Mobility mobility, const auto& set) {
+    Scene scene = test::pad_scene();
+    scene.objects.push_back({"box", cube(0.05)});
+    Mechanism& mechanism = scene.objects[0].mechanism;
+    if (mobility >= Mobility::free) mechanism = test::body_of("box", cube(0.05), 0.2, {}, {}).mechanism;
+    mechanism.mobility = mobility;
+    set(mechanism);
+    Model model;
+    return build_model(scene, {}, model).message();
+  };
+  const auto nothing = [](Mechanism&) {};
+  const auto damping = [](Mechanism& m) { m.damping = 1; };
+  const auto spring = [](Mechanism& m) { m.spring = 1; };
+  const auto upper = [](Mechanism& m) { m.upper = 0.1; };
+  for (const Mobility mobility : {Mobility::fixed, Mobility::given, Mobility::free, Mobility::ball}) {
+    const std::string name = "\"" + std::string(mobility_name(mobility)) + "\"";
+    EXPECT_EQ(refusal(mobility, nothing), "");
+    EXPECT_EQ(refusal(mobility, spring),
+              "object \"box\": spring acts on a hinge or slider only, and this is " + name +
+                  ": leave it out, or let the object move so");
+    EXPECT_NE(refusal(mobility, upper).find("upper acts on"), std::string::npos) << name;
+    EXPECT_EQ(refusal(mobility, damping).empty(), mobility >= Mobility::free) << name;
+  }
+  EXPECT_EQ(refusal(Mobility::hinge, spring) + refusal(Mobility::slider, upper), "");
+}
+
 // Their squares and cubes leave the range of numbers, and then the motion does.
 TEST(ObjectChecks, ABodyWhoseInertiaNoMotionCanBeWorkedOutWithIsRefused) {
   const auto refusal = [](const SceneObject& box) {

@@ -154,6 +154,16 @@ def test_a_material_that_makes_no_sense_is_refused(name, wrong):
         lum.Model(scene)
 
 
+@pytest.mark.parametrize("moves", ["fixed", "given", "free", "ball"])
+@pytest.mark.parametrize("name", ["spring", "rest", "lower", "upper", "dry_friction", "detent_force", "detent_pitch"])
+def test_what_does_not_act_on_what_moves_so_is_refused(moves, name):
+    scene = lum.Scene()
+    mass = {"mass": 1} if moves in ("free", "ball") else {}
+    scene.add_object("ball", *lum.make_sphere(0.01, 2), moves=moves, **mass, **{name: -0.5 if name == "lower" else 0.5})
+    with pytest.raises(ValueError, match=f"{name} acts on a hinge or slider only, and this is \"{moves}\""):
+        lum.Model(scene)
+
+
 @pytest.mark.parametrize("mass, density", [(np.nan, 1000), (-1, 1000), (1, np.nan), (1, -1), (1, 1000), (0, 0)])
 def test_a_mass_that_makes_no_sense_is_refused(mass, density):
     with pytest.raises(ValueError, match="density or a mass"):

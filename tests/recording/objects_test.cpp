@@ -275,5 +275,23 @@ TEST(RecordedObjects, HoweverTheyAreTurnedStandWhereTheyStoodWhenTheyAreReadAgai
   }
 }
 
+// They were recorded before build_model refused them.
+TEST(RecordedObjects, OfASessionDropWhatDoesNotActOnThem) {
+  Scene scene = scene_of_objects();
+  scene.objects[1].mechanism.spring = 5;
+  scene.objects[2].mechanism.damping = 1;
+  Model model;
+  EXPECT_FALSE(build_model(scene, {}, model).ok());
+  std::vector<std::uint8_t> session;
+  ASSERT_TRUE(encode_session(scene, session).ok());
+  Scene decoded;
+  std::optional<Hand> second;
+  ASSERT_TRUE(decode_session(session, decoded, &second).ok());
+  EXPECT_EQ(decoded.objects[1].mechanism, scene_of_objects().objects[1].mechanism);
+  EXPECT_EQ(decoded.objects[2].mechanism, Mechanism{});
+  const Status status = build_model(decoded, {}, model);
+  EXPECT_TRUE(status.ok()) << status.message();
+}
+
 }  // namespace
 }  // namespace lumbrical

@@ -69,20 +69,26 @@ Fault take_mass(const lumbrical_object& given, const Mesh& mesh, Winding winding
   return {};
 }
 
+// Where there is none it stays as it is given: a default converted would no longer be one.
+Vec3 axis_of(const lumbrical_object& given, Convention convention, const Mechanism& mechanism) {
+  if (!has_coordinate(mechanism)) return to_vec3(given.axis);
+  const bool slides = mechanism.mobility == Mobility::slider;
+  return converted(convention, Convention::openxr, slides ? Quantity::direction : Quantity::rotation,
+                   to_vec3(given.axis));
+}
+
 Fault take_mechanism(const lumbrical_object& given, Convention convention, SceneObject& object) {
   Mechanism& mechanism = object.mechanism;
   const Status weight = check_weight(mechanism.mobility, given.density, given.mass);
   if (!weight.ok()) return {weight, LUMBRICAL_BAD_ARGUMENT};
-  if (given.density == 0 && given.mass == 0) return {};
-  if (Fault fault = check_object(object.name, object.mesh, 1)) return fault;
-  if (Fault fault = take_mass(given, object.mesh, object.winding, mechanism.body)) return fault;
-  if (!moves_by_itself(mechanism)) return {};
+  if (given.density != 0 || given.mass != 0) {
+    if (Fault fault = check_object(object.name, object.mesh, 1)) return fault;
+    if (Fault fault = take_mass(given, object.mesh, object.winding, mechanism.body)) return fault;
+  }
+  if (mechanism.mobility >= Mobility::hinge)
+    mechanism.pivot = converted(convention, Convention::openxr, Quantity::position, to_vec3(given.pivot));
+  mechanism.axis = axis_of(given, convention, mechanism);
   mechanism.damping = given.damping;
-  if (mechanism.mobility == Mobility::free) return {};
-  mechanism.pivot = converted(convention, Convention::openxr, Quantity::position, to_vec3(given.pivot));
-  mechanism.axis = converted(convention, Convention::openxr, Quantity::rotation, to_vec3(given.axis));
-  if (mechanism.mobility == Mobility::slider)
-    mechanism.axis = converted(convention, Convention::openxr, Quantity::direction, to_vec3(given.axis));
   mechanism.lower = given.lower;
   mechanism.upper = given.upper;
   mechanism.spring = given.spring;

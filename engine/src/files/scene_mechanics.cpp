@@ -113,11 +113,12 @@ void read_mechanics(const format::Object& table, const std::string& at, FieldRea
   const bool heavy = table.mass().has_value() || table.density().has_value();
   if (heavy && mechanism.mobility == Mobility::fixed)
     return read.error(at + (table.mass() ? ".mass" : ".density"), R"(needs "moves": "free" or the like)");
+  read.number(table.damping(), at + ".damping", range::damping, mechanism.damping);
+  if (mechanism.mobility >= Mobility::free) mechanism.pivot = object.pose.position;
+  read_joint(table.joint(), at + ".joint", read, mechanism);
+  if (Status status = check_mechanism(mechanism); !status.ok()) return read.error(at, status.message());
   if (mechanism.mobility == Mobility::given) return read_given(table, at, read, object, path);
   if (mechanism.mobility < Mobility::free) return;
-  read.number(table.damping(), at + ".damping", range::damping, mechanism.damping);
-  mechanism.pivot = object.pose.position;
-  read_joint(table.joint(), at + ".joint", read, mechanism);
   if (read.ok()) read_body(table, at, read, object, mechanism.body);
 }
 

@@ -46,6 +46,25 @@ void check_joint(const Mechanism& mechanism, FieldCheck& check) {
   check.number(mechanism.detent_pitch, "detent_pitch", range::detent_pitch);
 }
 
+constexpr const char* kOfJoints = "a hinge or slider";
+
+// The numbers of a mechanism that only act on what moves so, whether that does, and what they are else.
+template <class Visit>
+void visit_acting(Mechanism& mechanism, const Visit& visit) {
+  const Mechanism none;
+  const bool joint = has_coordinate(mechanism);
+  visit("damping", "what moves by itself", moves_by_itself(mechanism), mechanism.damping, none.damping);
+  visit("axis", kOfJoints, joint, mechanism.axis, none.axis);
+  visit("lower", kOfJoints, joint, mechanism.lower, none.lower);
+  visit("upper", kOfJoints, joint, mechanism.upper, none.upper);
+  visit("spring", kOfJoints, joint, mechanism.spring, none.spring);
+  visit("rest", kOfJoints, joint, mechanism.rest, none.rest);
+  visit("dry_friction", kOfJoints, joint, mechanism.dry_friction, none.dry_friction);
+  visit("detent_force", kOfJoints, joint, mechanism.detent_force, none.detent_force);
+  visit("detent_pitch", kOfJoints, joint, mechanism.detent_pitch, none.detent_pitch);
+  visit("latch", kOfJoints, joint, mechanism.latch, none.latch);
+}
+
 void check_texture(const Texture& texture, const std::string& field, const Range& range, FieldCheck& check) {
   if (is_plain(texture)) return;
   const GreyImage& image = texture.image;
@@ -100,6 +119,25 @@ Status check_material(const SceneObject& object) {
   check.number(material.viscosity, "viscosity", range::viscosity);
   check.number(material.shear_stiffness, "shear_stiffness", range::shear_stiffness);
   return check.status;
+}
+
+Status check_mechanism(const Mechanism& mechanism) {
+  Status status;
+  Mechanism copy = mechanism;
+  visit_acting(copy, [&](const char* field, const char* whose, bool acts, auto& value, const auto& none) {
+    if (status.ok() && !acts && !(value == none))
+      status = Status::error(std::string(field) + " acts on " + whose + " only, and this is \"" +
+                             std::string(mobility_name(mechanism.mobility)) +
+                             "\": leave it out, or let the object move so");
+  });
+  return status;
+}
+
+Mechanism without_meaningless(Mechanism mechanism) {
+  visit_acting(mechanism, [](const char*, const char*, bool acts, auto& value, const auto& none) {
+    if (!acts) value = none;
+  });
+  return mechanism;
 }
 
 Status check_apart(const SceneObject& object) {

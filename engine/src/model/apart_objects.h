@@ -12,6 +12,13 @@ namespace lumbrical {
 /// Of any object: frictions that make no sense would rub nothing, and leave it in the world. Names the field.
 Status check_material(const SceneObject& object);
 
+/// Of any object: a damper, a spring, limits and the like where nothing moves so that they could act. Names
+/// the field, not the object.
+Status check_mechanism(const Mechanism& mechanism);
+
+/// The same but for what check_mechanism refuses: recordings from before it did hold some.
+Mechanism without_meaningless(Mechanism mechanism);
+
 /// Refuses masses, joints, surfaces and poses that make no sense, and names object and field.
 Status check_apart(const SceneObject& object);
 

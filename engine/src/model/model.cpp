@@ -31,6 +31,8 @@ Status check_objects(const Scene& scene, std::size_t threads) {
   for (const SceneObject& object : scene.objects) {
     if (Status status = check_material(object); !status.ok()) return status;
     if (Status status = check_object(object.name, object.mesh, threads); !status.ok()) return status;
+    if (Status status = check_mechanism(object.mechanism); !status.ok())
+      return Status::error("object \"" + object.name + "\": " + status.message());
     if (!is_apart(object)) {
       if (object.pose != Pose{})
         return Status::error("\"" + object.name +

@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "base/message_alignment.h"
+#include "model/apart_objects.h"
 #include "model/ranges.h"
 #include "recording_generated.h"
 
@@ -269,6 +270,7 @@ Status decode_apart(const fb::Object& message, SceneObject& object) {
     return Status::error("the session has an object that moves, but not how");
   }
   if (const fb::Latch* const l = message.latch()) object.mechanism.latch = {l->object(), l->opens()};
+  object.mechanism = without_meaningless(object.mechanism);
   return {};
 }
 
