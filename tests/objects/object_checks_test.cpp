@@ -182,7 +182,7 @@ TEST(ObjectChecks, AMeshThatEnclosesNoOneSolidIsRefusedWithWhatIsWrongAndWhatHel
   Mesh turned = cube(0.01);
   for (Triangle& triangle : turned.triangles) std::swap(triangle[0], triangle[1]);
   EXPECT_TRUE(says(refusal(turned), "if it is inside out")) << refusal(turned);
-  EXPECT_TRUE(says(refusal(turned), "or give mass, centre and inertia")) << refusal(turned);
+  EXPECT_TRUE(says(refusal(turned), "or, in a scene file, give mass, centre and inertia")) << refusal(turned);
 }
 
 }  // namespace

@@ -405,9 +405,9 @@ TEST(SurfaceFeel, RefusesWhatMakesNoSense) {
   };
   EXPECT_TRUE(names(refusal([](SceneObject& o) { o.surface.crease_angle = std::nan(""); }), "crease_angle"));
   EXPECT_TRUE(names(refusal([](SceneObject& o) { o.surface.crease_angle = -0.1; }), "crease_angle"));
-  EXPECT_TRUE(names(refusal([](SceneObject& o) { o.surface.friction_factor = {1, 1}; }), "friction_factor"));
+  EXPECT_TRUE(names(refusal([](SceneObject& o) { o.surface.friction_factor = {1, 1}; }), "friction factors"));
   EXPECT_TRUE(
-      names(refusal([](SceneObject& o) { o.surface.friction_factor.assign(8, -1); }), "friction_factor"));
+      names(refusal([](SceneObject& o) { o.surface.friction_factor.assign(8, -1); }), "friction factor"));
   EXPECT_TRUE(names(refusal([](SceneObject& o) {
                       o.surface.bumps = {{4, 4, {1}}, 0.01, 0, 1};
                     }),
@@ -424,7 +424,7 @@ TEST(SurfaceFeel, RefusesWhatMakesNoSense) {
                       o.material = {};
                       o.surface.friction_factor.assign(8, 2);
                     }),
-                    "static_friction"));
+                    "the friction is out of range: give more than 0"));
   EXPECT_EQ(refusal([](SceneObject& o) { o.surface.friction_factor.assign(8, 2); }), "");
 }
 

@@ -186,7 +186,7 @@ def test_a_surface_is_felt():
             lum.Scene().add_object("ball", *sphere, friction=0.5, grip=grip)
     scene = lum.Scene()
     scene.add_object("ball", *sphere, friction=0.5, friction_factors=[1, 2])
-    with pytest.raises(ValueError, match="friction_factor"):
+    with pytest.raises(ValueError, match="friction factors"):
         lum.Model(scene)
 
 

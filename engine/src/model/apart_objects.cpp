@@ -82,13 +82,13 @@ void check_surface(const SceneObject& object, FieldCheck& check) {
   check.require(surface.crease_angle == 0 || object.mesh.triangles.size() <= kMostSmoothed, "crease_angle",
                 "0, or a mesh of at most " + std::to_string(kMostSmoothed) + " triangles");
   const std::vector<double>& factor = surface.friction_factor;
-  check.require(factor.empty() || factor.size() == object.mesh.triangles.size(), "friction_factor",
-                "one number for each triangle of the mesh");
-  for (const double one : factor) check.number(one, "friction_factor", range::grip);
+  check.require(factor.empty() || factor.size() == object.mesh.triangles.size(),
+                "the list of friction factors", "one number for each triangle of the mesh");
+  for (const double one : factor) check.number(one, "a friction factor", range::grip);
   check_texture(surface.grip, "grip", range::grip, check);
   check_texture(surface.bumps, "bumps", range::bump, check);
-  check.require(rubs(object.material) || (factor.empty() && is_plain(surface.grip)), "static_friction",
-                "what friction_factor and grip are factors of");
+  check.require(rubs(object.material) || (factor.empty() && is_plain(surface.grip)), "the friction",
+                "more than 0, which friction factors and a grip are factors of");
 }
 
 }  // namespace
@@ -113,9 +113,9 @@ std::string inertia_rule() {
 Status check_material(const SceneObject& object) {
   FieldCheck check{object.name};
   const Material& material = object.material;
-  check.number(material.static_friction, "static_friction", range::friction);
+  check.number(material.static_friction, "the (static) friction", range::friction);
   check.require(material.kinetic_friction >= 0 && material.kinetic_friction <= material.static_friction,
-                "kinetic_friction", "0 to static_friction");
+                "kinetic_friction", "0 to the static friction");
   check.number(material.viscosity, "viscosity", range::viscosity);
   check.number(material.shear_stiffness, "shear_stiffness", range::shear_stiffness);
   return check.status;

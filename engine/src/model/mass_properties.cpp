@@ -31,6 +31,9 @@ void add_tetrahedron(Vec3 a, Vec3 b, Vec3 c, SolidIntegrals& sums) {
   sums.zx += product(&Vec3::z, &Vec3::x);
 }
 
+// Other callers have no such fields.
+constexpr const char* kOrSay = "; or, in a scene file, give mass, centre and inertia";
+
 // Why a mesh that is not watertight encloses no one solid, and what to do.
 Status refuse_open(const MeshReport& report) {
   const auto count = [](std::size_t number, const char* what) {
@@ -40,20 +43,22 @@ Status refuse_open(const MeshReport& report) {
     return Status::error(
         "the mesh is not closed (" + count(report.boundary_edges, "open") +
         "), so what it weighs is unknown; close it (lumbrical inspect --fix closes what rounding "
-        "tore), or give mass, centre and inertia");
+        "tore)" +
+        kOrSay);
   if (report.duplicate > 0)
     return Status::error("the mesh has " + std::to_string(report.duplicate) +
                          (report.duplicate == 1 ? " triangle" : " triangles") +
                          " twice, so what it weighs is unknown; leave the second ones out (lumbrical inspect "
-                         "--fix does, of closed parts), or give mass, centre and inertia");
+                         "--fix does, of closed parts)" +
+                         kOrSay);
   if (report.non_manifold_edges > 0)
     return Status::error("the mesh has " + count(report.non_manifold_edges, "non-manifold") +
                          ", of more than two triangles, so what it weighs is unknown; take out walls inside "
-                         "it, part solids that touch, or give mass, centre and inertia");
-  return Status::error(
-      "the mesh has " + count(report.misoriented_edges, "misoriented") +
-      ", so what it weighs is unknown; wind it one way, as lumbrical inspect --fix does, or give mass, "
-      "centre and inertia");
+                         "it, or part solids that touch" +
+                         kOrSay);
+  return Status::error("the mesh has " + count(report.misoriented_edges, "misoriented") +
+                       ", so what it weighs is unknown; wind it one way, as lumbrical inspect --fix does" +
+                       kOrSay);
 }
 
 }  // namespace
@@ -70,8 +75,9 @@ Status mass_properties(const Mesh& mesh, double density, MassProperties& propert
                     sums);
   if (!(sums.volume > 0))
     return Status::error(
-        "the mesh encloses no volume; if it is inside out, turn it over, as winding \"auto\" does, or give "
-        "mass, centre and inertia");
+        std::string(
+            "the mesh encloses no volume; if it is inside out, turn it over, as winding \"auto\" does") +
+        kOrSay);
   const Vec3 c = sums.first / sums.volume;
   const double v = sums.volume;
   const double xx = sums.xx - v * c.x * c.x, yy = sums.yy - v * c.y * c.y, zz = sums.zz - v * c.z * c.z;
