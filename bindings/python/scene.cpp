@@ -1,4 +1,8 @@
 // Scenes and the models built from them, for Python.
+#include <algorithm>
+#include <optional>
+#include <string_view>
+
 #include "bind.h"
 #include "lumbrical/motion.h"
 
@@ -237,6 +241,13 @@ void bind_ground(py::module_& module) {
       .def_readonly("friction", &Ground::friction);
 }
 
+// None where segments follow different laws.
+std::optional<std::string_view> common_law(const PyScene& self) {
+  const auto& laws = self.scene.settings.law;
+  if (std::any_of(laws.begin(), laws.end(), [&](Law law) { return law != laws[0]; })) return std::nullopt;
+  return law_name(laws[0]);
+}
+
 // A property that is set to a Value.
 template <class Value, class Class, class Get, class Set>
 void bind_property(Class& bound, const char* name, const char* takes, const Get& get, const Set& set) {
@@ -332,7 +343,7 @@ void bind_scene(py::module_& module) {
       scene, "ground", "a Ground or None", [](const PyScene& self) { return self.scene.ground; },
       [](PyScene& self, const std::optional<Ground>& ground) { self.scene.ground = ground; });
   bind_property<std::string>(
-      scene, "law", "a string", [](const PyScene& self) { return law_name(self.scene.settings.law[0]); },
+      scene, "law", "a string", &common_law,
       [](PyScene& self, const std::string& law) { self.scene.settings.law.fill(law_of(law)); });
   bind_property<std::string>(
       scene, "felt_once", "a string",

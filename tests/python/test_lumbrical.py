@@ -276,6 +276,15 @@ def test_a_scene_file_brings_its_motion():
     assert len(frames) > 1000 and outputs["contact_count"].max() > 0
 
 
+def test_a_law_that_not_all_segments_follow_is_none(tmp_path):
+    (tmp_path / "mixed.json").write_text("""{"objects": [{"box": {}}], "motion": {"grasp": {}},
+        "settings": {"segments": [{"segment": "palm", "law": "point"}]}}""")
+    scene = lum.Scene.load(tmp_path / "mixed.json")
+    assert scene.law is None
+    scene.law = "column"
+    assert scene.law == "column"
+
+
 # ---- Recordings
 
 @pytest.mark.parametrize("name, told", [("bodies", "bodies.json: physics: .*leave it out"),

@@ -63,7 +63,7 @@ class Scene:
     felt_once: str  # "never", "by-samples" or "always"
     effort: int
     max_candidates: int
-    law: str  # of every segment
+    law: Optional[str]  # of every segment; None where they follow different ones. Set one for all
     ground: Optional[Ground]  # None: free objects fall for ever
     def __init__(self, side: str = ..., hand_length: float = ...) -> None: ...
     @staticmethod
