@@ -310,7 +310,7 @@ typedef struct lumbrical_recording_info {
 typedef struct lumbrical_replay_result {
   uint32_t size;
   int32_t identical; /* 1: every bit; else the rest says where the two part first */
-  uint64_t ticks;    /* compared */
+  uint64_t ticks;    /* compared, of all hands together */
   uint64_t tick;
   char stage[32], field[64], recorded[64], replayed[64];
   char damage[256]; /* what is wrong with the file, whatever the replay found, without the middle of a long

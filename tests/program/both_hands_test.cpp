@@ -112,6 +112,9 @@ TEST(BothHands, AreIdenticalOnlyWhereEachIsAndTicksAreThoseOfBoth) {
   EXPECT_EQ(what_if["ticks"], 600 + what_if["hands"][1]["ticks"].get<int>());
   EXPECT_EQ(lumbrical("replay a.mcap --json", folder).json()["ticks"], 1200);
   EXPECT_EQ(lumbrical("diff a.mcap a.mcap --json", folder).json()["ticks"], 1200);
+  EXPECT_EQ(lumbrical("diff a.mcap a.mcap", folder).output.find("Identical: 1,200 ticks of both hands"), 0u);
+  const Outcome recovered = lumbrical("recover a.mcap", folder);
+  EXPECT_EQ(recovered.output.find("1,200 ticks of both hands recovered"), 0u) << recovered.output;
 }
 
 TEST(BothHands, WhatIsNotSupportedIsRefusedWithAWayOut) {

@@ -35,7 +35,7 @@ int diff(const DiffOptions& options) {
   Json json = divergence_json(result);
   if (!side.empty()) json["first_divergence"]["side"] = side;
   const std::string text =
-      (side.empty() ? "" : "The " + side + " hand:\n") + divergence_text(result, "compared");
+      (side.empty() ? "" : "The " + side + " hand:\n") + divergence_text(result, "compared", a.size() > 1);
   const int printed = options.json ? print_json(json) : print_text(text);
   if (printed != kDone) return printed;
   return result.first_divergence ? kDiverged : kDone;

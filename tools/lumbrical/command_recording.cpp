@@ -243,6 +243,12 @@ bool is_growing(const std::string& recording) {
   return reader.open(recording).ok() && reader.info().growing;
 }
 
+/// Of a session of two hands a tick of each is counted.
+const char* hands_text(const std::string& recording) {
+  std::vector<RecordingReader> readers;
+  return open_hands(recording, readers).ok() && readers.size() > 1 ? " of both hands" : "";
+}
+
 int recover(const RecordingOptions& options) {
   const std::string output = options.output.empty() ? recovered_name(options.recording) : options.output;
   std::uint64_t recovered = 0, lost = 0;
@@ -263,8 +269,8 @@ int recover(const RecordingOptions& options) {
     return printed == kDone && lost > 0 ? kTicksMissing : printed;
   }
   const int printed =
-      print_text(grouped(recovered) + " ticks recovered to " + output + ", " + grouped(lost) +
-                 " known to be lost" + ranges_text(missing) + ".\n" +
+      print_text(grouped(recovered) + " ticks" + hands_text(output) + " recovered to " + output + ", " +
+                 grouped(lost) + " known to be lost" + ranges_text(missing) + ".\n" +
                  (growing ? "It is still being recorded: this is what it held so far.\n" : ""));
   return printed == kDone && lost > 0 ? kTicksMissing : printed;
 }

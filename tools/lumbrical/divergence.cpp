@@ -33,13 +33,12 @@ Json divergence_json(const ReplayResult& result) {
   return json;
 }
 
-std::string divergence_text(const ReplayResult& result, const std::string& verb) {
-  if (!result.first_divergence)
-    return "Identical: " + grouped(result.ticks) + " ticks " + verb + ", every bit the same.\n";
+std::string divergence_text(const ReplayResult& result, const std::string& verb, bool both_hands) {
+  const std::string ticks = grouped(result.ticks) + " ticks " + (both_hands ? "of both hands " : "") + verb;
+  if (!result.first_divergence) return "Identical: " + ticks + ", every bit the same.\n";
   const Divergence& first = *result.first_divergence;
   Table table;
-  table.add("diverged at",
-            "tick " + grouped(first.tick) + " (" + grouped(result.ticks) + " ticks " + verb + ")");
+  table.add("diverged at", "tick " + grouped(first.tick) + " (" + ticks + ")");
   table.add("stage", first.stage);
   if (first.primitive) table.add("primitive", std::to_string(*first.primitive));
   if (first.triangle) table.add("triangle", std::to_string(*first.triangle));

@@ -12,6 +12,6 @@ namespace lumbrical::tool {
 Json divergence_json(const ReplayResult& result);
 
 /// The same for people; `verb` is what was done with the ticks.
-std::string divergence_text(const ReplayResult& result, const std::string& verb);
+std::string divergence_text(const ReplayResult& result, const std::string& verb, bool both_hands = false);
 
 }  // namespace lumbrical::tool

@@ -117,7 +117,8 @@ double ns_per_evaluation(const RunStatistics& run) {
 }
 
 // Before any figure: what a person must know who reads one line.
-std::vector<std::string> trouble_of(const RunStatistics& run, const DeviceSession* device) {
+std::vector<std::string> trouble_of(const RunStatistics& run, const Scene& scene,
+                                    const DeviceSession* device) {
   std::vector<std::string> lines = device != nullptr ? device->trouble() : std::vector<std::string>();
   if (!run.recording_error.ok()) lines.push_back("the recording failed: " + run.recording_error.message());
   if (run.not_recorded > 0) lines.push_back(grouped(run.not_recorded) + " ticks are not in the recording");
@@ -133,7 +134,9 @@ std::vector<std::string> trouble_of(const RunStatistics& run, const DeviceSessio
     lines.push_back("nothing was felt: in no tick was it known where the hand is");
     return lines;
   }
-  lines.push_back("nothing was touched; --align contact moves the hand to the first object");
+  lines.push_back(scene.objects.empty()
+                      ? "nothing was touched; --align x,y,z moves the hand to a place in the world"
+                      : "nothing was touched; --align contact moves the hand to the first object");
   for (const HandFigures& hand : run.hands)
     lines.insert(lines.end(), hand.untouched.begin(), hand.untouched.end());
   return lines;
@@ -312,7 +315,7 @@ Json run_json(const RunSummary& summary) {
   const auto& [scene_file, models, run, late, effort, device, paced, recording] = summary;
   const Model& model = models[0];
   Json json;
-  json["trouble"] = trouble_of(run, device);
+  json["trouble"] = trouble_of(run, scene_file.scene, device);
   json["ticks"] = run.ticks;
   json["rate_hz"] = rate_reached(run);
   json["tick_us"] = times_json(run.tick_times);
@@ -354,7 +357,7 @@ std::string run_text(const RunSummary& summary) {
   const auto& [scene_file, models, run, late, effort, device, paced, recording] = summary;
   const Model& model = models[0];
   Table table;
-  for (const std::string& line : trouble_of(run, device))
+  for (const std::string& line : trouble_of(run, scene_file.scene, device))
     table.add(table.rows.empty() ? "trouble" : "", line);
   table.add("ticks", grouped(run.ticks) + " of " + brief(1e3 / model.settings.rate) + " ms" +
                          (run.interrupted ? ", stopped by a signal" : ""));

@@ -16,7 +16,8 @@ std::string triangles(std::size_t count) {
 
 std::string facing(const WindingReport& report) {
   const double facing = report.outward_area + report.inward_area;
-  if (!(facing > 0.01 * report.open_area)) return "flat: felt from the side its triangles face";
+  if (!(facing > 0.01 * report.open_area))
+    return "flat: felt from the side its triangles face, and not where others face the other way there";
   return share_text(report.outward_area / facing) + " of its area faces away from its middle, " +
          share_text(report.inward_area / facing) + " towards it";
 }

@@ -244,7 +244,8 @@ struct TickRange {
 Status verify_recording(const std::string& path, RecordingInfo& info,
                         std::vector<TickRange>* missing = nullptr);
 
-/// Rewrites what is whole of a torn or damaged file: `recovered` ticks kept, `lost` tick numbers missing, and
+/// Rewrites what is whole of a torn or damaged file: `recovered` ticks kept, of two hands those of both,
+/// `lost` tick numbers missing, of either hand, and
 /// which those are (`missing`, ascending; may be null): all between the first the file held and the last. The
 /// last is known from the index, or where there is none from the chunks met, damaged ones too; what came
 /// behind the last chunk of a torn file can't be. The session itself must be whole; `output` must be another
