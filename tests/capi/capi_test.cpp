@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <vector>
 
@@ -67,6 +68,7 @@ TEST(CApi, ASceneFileGivesTheTicksOfItsOwnMotion) {
     const double time = 0.5 + i * 0.02;
     lumbrical_frame frame = new_frame();
     ASSERT_EQ(lumbrical_scene_frame(c.scene, time, &frame), LUMBRICAL_OK);
+    EXPECT_EQ(lumbrical_scene_frame(c.scene, std::nan(""), &frame), LUMBRICAL_BAD_ARGUMENT);
     const ActuatorFrame expected = tick(model, state, scratch, resample(file.motion, time));
     expect_same(expected, c.step(frame));
     contacts += expected.contact_count;

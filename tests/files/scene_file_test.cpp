@@ -273,6 +273,12 @@ TEST(SceneFile, TellsEveryMistakeWithItsPlace) {
        ":1:12: motion names a file and"},
       {R"({"motion": {"grasp": {}}, "objects": [{"plane": {}}], "hand": {"radii": [{"joint": "index tip", "radius": -1}]}})",
        ":1:107: hand.radii[0].radius is -1"},
+      {R"({"motion": {"grasp": {}}, "objects": [{"plane": {}}], "hand": {"radii": [
+{"joint": "index tip", "radius": 0.01}, {"joint": "index tip", "radius": 0.02}]}})",
+       ":2:51: hand.radii[1].joint is told a second time"},
+      {R"({"motion": {"grasp": {}}, "objects": [{"plane": {}}], "hand": {"fingers": [
+{"name": "index"}, {"name": "index"}]}})",
+       ":2:29: hand.fingers[1].name is told a second time"},
       {R"({"motion": {"grasp": {}}, "objects": [{"plane": {}}], "hand": {}, "hand_file": "a.json"})",
        ":1:80: hand_file stands beside a hand"},
       {R"({"motion": {"grasp": {}}, "objects": [{"plane": {}}], "settings": {"rate": 1, "rate": 2}})",

@@ -64,6 +64,8 @@ Status export_to_file(std::span<RecordingReader> readers, const ExportSwitches& 
 }
 
 int export_as_table(const ExportSwitches& switches) {
+  if (std::count(switches.columns.begin(), switches.columns.end(), "") > 0)
+    return fail("--columns: a word is empty, and every name holds it; use all, or leave it out");
   std::vector<RecordingReader> readers;
   if (Status status = open_hands(switches.recording, readers, parse_side(switches.side)); !status.ok())
     return fail(status);

@@ -21,6 +21,8 @@ constexpr double kPersistence = 10;  // [s] to reach a device that may still hol
 
 int guard(const std::string& text) {
   for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGQUIT}) std::signal(signal, SIG_IGN);
+  if (text == "null")
+    return fail("\"null\" is no device that could be let go of; name one as for run --sink, without null");
   SinkUri uri;
   DeviceProfile profile;
   if (Status status = parse_sink_uri(text, uri); !status.ok()) return fail(status);

@@ -1,4 +1,5 @@
 // lumbrical inspect: what is wrong with a mesh, and what its voxel index takes.
+#include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
@@ -88,6 +89,11 @@ Status index_report(const InspectOptions& options, const Mesh& mesh, std::option
   return {};
 }
 
+bool is_obj(const std::string& path) {
+  const std::string extension = std::filesystem::path(path).extension().string();
+  return extension == ".obj" || extension == ".OBJ";
+}
+
 int inspect(const InspectOptions& options) {
   if (is_scene(options.mesh)) {
     if (!options.unit.empty()) refuse_option("--unit", "a scene file tells the units of its meshes");
@@ -95,6 +101,10 @@ int inspect(const InspectOptions& options) {
     return inspect_scene(options.mesh, options.json);
   }
   if (options.unit.empty()) demand_option("--unit");
+  if (!options.voxel_cache.empty() && options.broadphase != "voxel")
+    refuse_option("--voxel-cache", "needs --broadphase voxel");
+  if (!options.fix.empty() && !is_obj(options.fix))
+    refuse_option("--fix", "\"" + options.fix + "\" is written as OBJ; give it a name that ends in .obj");
   Mesh mesh;
   if (Status status = load_mesh(options.mesh, Unit::metre, mesh); !status.ok()) return fail(status);
   const bool fix = !options.fix.empty();

@@ -44,7 +44,10 @@ Status load_meshes(const ReplaySwitches& switches, ReplayOptions& options) {
     const std::size_t at = text.find('=');
     if (at == std::string::npos || at == 0)
       return Status::error("--mesh: \"" + text + "\" is not NAME=FILE; lumbrical info lists the names");
-    Mesh& mesh = options.mesh[text.substr(0, at)];
+    const std::string name = text.substr(0, at);
+    if (options.mesh.count(name) > 0)
+      return Status::error("--mesh: \"" + name + "\" is named twice; keep one mesh for it");
+    Mesh& mesh = options.mesh[name];
     if (Status status = load_mesh(text.substr(at + 1), *parse_unit(switches.unit), mesh); !status.ok())
       return status;
   }
@@ -55,6 +58,8 @@ Status replay_options(const ReplaySwitches& switches, ReplayOptions& options) {
   if (!switches.law.empty()) options.law = parse_law(switches.law);
   if (!switches.broadphase.empty()) options.execution.broadphase = *parse_broadphase(switches.broadphase);
   options.execution.voxel_cache = switches.voxel_cache;
+  if (!switches.voxel_cache.empty() && options.execution.broadphase != Broadphase::voxel)
+    return Status::error("--voxel-cache: needs --broadphase voxel");
   options.world = switches.world;
   options.record = switches.record;
   options.stiffness = switches.stiffness;
@@ -95,6 +100,8 @@ Status replay_hand(RecordingReader& reader, const std::string& path, const Repla
                    const ReplayOptions& options, Replayed& replayed) {
   ReplayResult result;
   WhatIfResult changes;
+  if (!options.world.empty() && !reader.scene().world)
+    return Status::error("--world: " + path + " holds its own meshes and names no world file; leave it out");
   if (Status status = replay(reader, options, result); !status.ok()) return status;
   const bool asked = asks_what_if(switches);
   const auto other = result.first_divergence && !asked ? other_arithmetic(reader.info()) : std::nullopt;

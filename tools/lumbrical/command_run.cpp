@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <csignal>
 #include <cstdio>
 #include <ctime>
 #include <memory>
@@ -60,6 +61,8 @@ std::string utc_text() {
 }
 
 Status load(const RunOptions& options, SceneFile& scene_file) {
+  if (options.scene == "-" && options.motion == "-")
+    return Status::error("--motion -: standard input is the scene already; name a file for one of the two");
   MotionOverride motion;
   motion.file = options.motion;
   motion.rate = options.motion_rate.value_or(0);
@@ -78,6 +81,8 @@ Status load(const RunOptions& options, SceneFile& scene_file) {
     return Status::error("--view shows a session at the rate of the clock; give it one, --rate 1000 say");
   if (!options.broadphase.empty()) scene_file.execution.broadphase = *parse_broadphase(options.broadphase);
   scene_file.execution.voxel_cache = options.voxel_cache;
+  if (!options.voxel_cache.empty() && scene_file.execution.broadphase != Broadphase::voxel)
+    return Status::error("--voxel-cache: needs --broadphase voxel");
   // Helpers of a real-time thread have no real-time priority: it would wait for them.
   if (options.sink != "null") scene_file.execution.threads = 1;
   if (options.threads) scene_file.execution.threads = *options.threads;
@@ -237,6 +242,9 @@ int run(const RunOptions& options) {
   if (options.view) {
     if (status = live_view.start(models); !status.ok()) return fail(status);
   }
+  // Whoever stops a device in an emergency must not end a session that has none.
+  if (!with_device)
+    for (const int signal : {SIGUSR1, SIGUSR2}) std::signal(signal, SIG_IGN);
   DeviceSession device;
   std::size_t device_hand = 0;
   if (with_device) {
@@ -371,6 +379,7 @@ void add_record_switches(RunOptions& options, Command& command) {
           "--record-forces", options.record_forces,
           "Ticks whose forces the recording holds, every Nth or none; a replay checks all by their hashes")
       ->check(Check{check_record_forces, "all|none|N"})
+      ->needs("--record")
       ->capture_default_str();
   struct View {
     const char* name;
@@ -395,6 +404,7 @@ void add_record_switches(RunOptions& options, Command& command) {
           "--on-record-error", options.on_record_error,
           "When the recording fails (disk full): stop, or continue unrecorded; exit code 2 either way")
       ->check(one_of({"stop", "continue"}))
+      ->needs("--record")
       ->capture_default_str();
 }
 
@@ -431,7 +441,9 @@ void add_run(Command& app, int& exit_code) {
   command->add_flag("--json", options->json, "Print one JSON object");
   command->callback([options, &exit_code] {
     const WorkSwitches& work = options->work;
-    if (options->scene.empty() == work.list.empty()) demand_option("Either a scene or --list LIST");
+    if (!options->scene.empty() && !work.list.empty())
+      refuse_option("--list", "stands beside a scene; keep one of the two");
+    if (options->scene.empty() && work.list.empty()) demand_option("Either a scene or --list LIST");
     if (work.list.empty() && !(work.shard.empty() && work.results.empty()))
       refuse_option(work.results.empty() ? "--shard" : "--results", "is for a --list of scenes");
     exit_code = options->scene.empty() ? run_list(*options) : run(*options);

@@ -182,7 +182,10 @@ Status move_to_transport(TransportKind kind, DeviceProfile& profile) {
   profile.transport.kind = kind;
   const Status status = check_profile(profile);
   if (status.ok() || !lacks_registers) return status;
-  return Status::error(status.message() + "; the profile was made for a transport without registers");
+  return Status::error(profile.name +
+                       ": the profile was made for a transport without registers, and this one has them; "
+                       "use its own, or write for each field where it is. First of all " +
+                       status.message());
 }
 
 std::string check_sink_uri(std::string& text) {

@@ -1,4 +1,5 @@
 // lumbrical.h: scenes and the models built from them.
+#include <cmath>
 #include <cstring>
 #include <string_view>
 
@@ -375,6 +376,7 @@ int lumbrical_scene_seconds(lumbrical_scene* scene, double* seconds) {
 int lumbrical_scene_frame(lumbrical_scene* scene, double time, lumbrical_frame* frame) {
   return call_with(__func__, scene, [&]() -> Fault {
     if (Fault fault = check_struct(frame, "frame")) return fault;
+    if (!std::isfinite(time)) return bad_argument("time is not finite");
     if (scene->motion.samples.empty())
       return bad_argument("the scene has no motion; only one from a file has");
     capi::to_c(resample(scene->motion, time), *frame);

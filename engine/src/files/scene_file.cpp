@@ -184,6 +184,10 @@ void read_side_of_grasp(const format::Motion& table, const MotionOverride& chose
                         std::optional<Side>& side) {
   if (table.unit() != nullptr) read.error("motion.unit", "has no meaning for the built-in grasp");
   if (table.rate().has_value()) read.error("motion.rate", "has no meaning for the built-in grasp");
+  if (chosen.unit > 0 || chosen.rate > 0)
+    read.error(
+        "motion",
+        "is the built-in grasp, for which a file's unit (--unit) and rate (--motion-rate) have no meaning");
   std::optional<Side> asked = chosen.side;
   if (!asked && table.side() != nullptr) asked = read_side(table.side(), "motion.side", read);
   if (asked && side && *asked != *side)

@@ -1,6 +1,7 @@
 // Objects and hand of a scene file: see scene_parts.h.
 #include "files/scene_parts.h"
 
+#include <array>
 #include <filesystem>
 #include <optional>
 #include <utility>
@@ -154,12 +155,17 @@ void place_object(SceneObject& object) {
 void read_fingers(const format::Hand& table, const std::string& at, FieldReader& read, Hand& hand) {
   if (table.fingers() == nullptr) return;
   constexpr Range kAngle{-6.3, 6.3};
+  std::array<bool, kFingerCount> told{};
   for (flatbuffers::uoffset_t i = 0; i < table.fingers()->size(); ++i) {
     const format::Finger& entry = *table.fingers()->Get(i);
     const std::string path = at + "fingers[" + std::to_string(i) + "]";
     const std::optional<int> number = parse_finger(text_of(entry.name()));
     if (!number) {
       read.error(path + ".name", R"(must be "thumb", "index", "middle", "ring" or "little")");
+      return;
+    }
+    if (std::exchange(told[static_cast<std::size_t>(*number)], true)) {
+      read.error(path + ".name", "is told a second time; keep one entry of each finger");
       return;
     }
     Finger& finger = hand.finger[static_cast<std::size_t>(*number)];
@@ -241,6 +247,7 @@ Hand read_hand(const format::Hand* table, const std::string& at, Side side, Fiel
 
 void read_flesh(const format::Hand* table, const std::string& at, FieldReader& read, Hand& hand) {
   if (table == nullptr) return;
+  std::array<bool, kJointCount> told{};
   for (flatbuffers::uoffset_t i = 0; table->radii() != nullptr && i < table->radii()->size(); ++i) {
     const format::JointRadius& entry = *table->radii()->Get(i);
     const std::string path = at + "radii[" + std::to_string(i) + "]";
@@ -249,6 +256,8 @@ void read_flesh(const format::Hand* table, const std::string& at, FieldReader& r
       return read.error(path + ".joint", "is not a joint; use \"index tip\", \"wrist\" or the like");
     }
     if (!entry.radius().has_value()) return read.error(path, "has no radius");
+    if (std::exchange(told[static_cast<std::size_t>(*joint)], true))
+      return read.error(path + ".joint", "is told a second time; keep one entry of each joint");
     read.number(entry.radius(), path + ".radius", {1e-4, 0.2}, hand.radius[static_cast<std::size_t>(*joint)]);
   }
   const format::Palm* const palm = table->palm();
