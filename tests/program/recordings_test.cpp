@@ -403,6 +403,28 @@ TEST(CommandLine, SplitMakesNoPartsWhereThereAreNoTicks) {
   EXPECT_FALSE(fs::exists(folder / "p.004.mcap"));
 }
 
+TEST(CommandLine, AnEmergencyStopEndsNoSessionThatHasNoDevice) {
+  const fs::path folder = folder_with_demo();
+  const Outcome run =
+      shell("lumbrical run demo.json --rate 100 " + kManyTicks + "--record a.mcap & run=$!; " +
+                wait_for_ticks("a.mcap") + "kill -USR2 $run; kill -INT $run; wait $run",
+            folder);
+  EXPECT_EQ(run.exit_code, 130) << run.error;
+}
+
+TEST(CommandLine, TrimMakesNoRecordingOfAGap) {
+  const fs::path folder = folder_with_demo();
+  ASSERT_EQ(shell("lumbrical run demo.json --ticks 20 --record a.mcap", folder).exit_code, 0);
+  ASSERT_EQ(shell("lumbrical trim a.mcap --to-tick 5 -o b.mcap", folder).exit_code, 0);
+  ASSERT_EQ(shell("lumbrical trim a.mcap --from-tick 15 -o c.mcap", folder).exit_code, 0);
+  ASSERT_EQ(shell("lumbrical merge b.mcap c.mcap -o gap.mcap", folder).exit_code, 0);
+  const Outcome none = shell("lumbrical trim gap.mcap --from-tick 6 --to-tick 9 -o d.mcap", folder);
+  EXPECT_EQ(none.exit_code, 2);
+  EXPECT_NE(none.error.find("no tick is in that range; it holds 0 to 19, with gaps"), std::string::npos)
+      << none.error;
+  EXPECT_FALSE(fs::exists(folder / "d.mcap"));
+}
+
 TEST(CommandLine, ReplayTracesAndWeighsAChange) {
   const fs::path folder = folder_with_demo();
   ASSERT_EQ(shell("lumbrical run demo.json --ticks 500 --record a.mcap", folder).exit_code, 0);

@@ -66,23 +66,6 @@ std::uint64_t tick_at(double second, const RecordingReader& reader) {
   return static_cast<std::uint64_t>(std::ceil(second * reader.scene().settings.rate - 1e-6));
 }
 
-int trim(const CopySwitches& switches) {
-  RecordingReader reader;
-  if (Status status = reader.open(switches.recordings.front()); !status.ok()) return fail(status);
-  CopyOptions options;
-  options.world = switches.world;
-  if (switches.from_tick) options.from = *switches.from_tick;
-  if (switches.to_tick) options.to = *switches.to_tick;
-  if (switches.from_second) options.from = tick_at(*switches.from_second, reader);
-  if (switches.to_second) options.to = tick_at(*switches.to_second, reader);
-  const RecordingInfo& info = reader.info();
-  if (info.ticks == 0 || options.from > info.last_tick || options.to <= info.first_tick ||
-      options.from >= options.to)
-    return fail(info.path + ": no tick is in that range; it holds " + std::to_string(info.first_tick) +
-                " to " + std::to_string(info.last_tick));
-  return copy(switches, options, kWhyParts);
-}
-
 /// The first tick of either hand that is not below `from`, if there is one.
 Status find_tick(RecordingReader& reader, std::uint64_t from, std::uint64_t& tick, bool& found) {
   found = false;
@@ -94,6 +77,25 @@ Status find_tick(RecordingReader& reader, std::uint64_t from, std::uint64_t& tic
     tick = message.tick;
   }
   return {};
+}
+
+int trim(const CopySwitches& switches) {
+  RecordingReader reader;
+  if (Status status = reader.open(switches.recordings.front()); !status.ok()) return fail(status);
+  CopyOptions options;
+  options.world = switches.world;
+  if (switches.from_tick) options.from = *switches.from_tick;
+  if (switches.to_tick) options.to = *switches.to_tick;
+  if (switches.from_second) options.from = tick_at(*switches.from_second, reader);
+  if (switches.to_second) options.to = tick_at(*switches.to_second, reader);
+  const RecordingInfo& info = reader.info();
+  std::uint64_t first = 0;
+  bool found = false;
+  if (Status status = find_tick(reader, options.from, first, found); !status.ok()) return fail(status);
+  if (!found || first >= options.to)
+    return fail(info.path + ": no tick is in that range; it holds " + std::to_string(info.first_tick) +
+                " to " + std::to_string(info.last_tick) + (info.missing_ticks > 0 ? ", with gaps" : ""));
+  return copy(switches, options, kWhyParts);
 }
 
 // Of the number of the last part, at least three: where ticks are missing there may be fewer parts.
