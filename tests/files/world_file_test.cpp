@@ -103,7 +103,7 @@ TEST(WorldFile, RefusesWhatBuildModelRefuses) {
             std::string::npos);
   SceneObject rubbing{"plane", make_plane(1, 3, 0)};
   rubbing.material.static_friction = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_NE(writer.add_object(rubbing).message().find("static_friction is out of range"), std::string::npos);
+  EXPECT_NE(writer.add_object(rubbing).message().find("static friction is out of range"), std::string::npos);
   rubbing.material = {0.5, 0.5, 0, 1000};
   EXPECT_NE(writer.add_object(rubbing).message().find("a world file holds what stands still"),
             std::string::npos);

@@ -294,7 +294,8 @@ void add_computed_with(const RunSummary& summary, Table& table) {
   if (scene_file.aligned) table.add("", pose_text(scene_file.placement.pose));
   if (model.world)
     table.add("world file", model.world->path + ", " + grouped(model.world->byte_count) + " bytes, at most " +
-                                grouped(std::min(summary.run.world_held, model.world->byte_count)) + " in memory");
+                                grouped(std::min(summary.run.world_held, model.world->byte_count)) +
+                                " in memory");
 }
 
 void add_recording(const RunSummary& summary, Table& table) {

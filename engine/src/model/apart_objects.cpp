@@ -113,7 +113,7 @@ std::string inertia_rule() {
 Status check_material(const SceneObject& object) {
   FieldCheck check{object.name};
   const Material& material = object.material;
-  check.number(material.static_friction, "the (static) friction", range::friction);
+  check.number(material.static_friction, "static friction", range::friction);
   check.require(material.kinetic_friction >= 0 && material.kinetic_friction <= material.static_friction,
                 "kinetic_friction", "0 to the static friction");
   check.number(material.viscosity, "viscosity", range::viscosity);

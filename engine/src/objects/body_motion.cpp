@@ -122,9 +122,7 @@ Vec3 position_about(Vec3 pivot, const Pose& start, Quat orientation) {
   return pivot + rotate(orientation, arm);
 }
 
-Quat turned(Quat orientation, Vec3 by) {
-  return normalized(small_rotation(by) * orientation);
-}
+Quat turned(Quat orientation, Vec3 by) { return normalized(small_rotation(by) * orientation); }
 
 Vec3 arm_from_pivot(const Mechanism& mechanism, const Pose& pose) {
   return transform(pose, mechanism.body.centre) - mechanism.pivot;

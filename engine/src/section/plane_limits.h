@@ -3,7 +3,8 @@
 
 namespace lumbrical {
 
-/// A triangle's normal is rounding noise where twice its area is below this share of its longest edge squared.
+/// A triangle's normal is rounding noise where twice its area is below this share of its longest edge
+/// squared.
 inline constexpr double kNoNormal = 1e-15;
 
 /// [m^2] Twice the area, and the longest edge squared, beyond which numbers run out.

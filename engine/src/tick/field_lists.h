@@ -171,6 +171,8 @@ constexpr void list_fields(Is<SampledForces> auto& sampled, auto&& field) {
   field("patch_count", "", sampled.patch_count);
   field("contact_count", "", sampled.contact_count);
   field("evaluations", "", sampled.evaluations);
+  field("level", "", sampled.fineness.level);
+  field("error_factor", "", sampled.error_factor);
   field("integral", "", sampled.segment);
 }
 
@@ -182,6 +184,7 @@ constexpr void list_fields(Is<HalfSpace> auto& half_space, auto&& field) {
 constexpr void list_fields(Is<Primitive> auto& primitive, auto&& field) {
   field("shape", "", primitive.shape);
   field("segment", "", primitive.segment);
+  field("phalanx", "", primitive.phalanx);
   field("law", "", primitive.law);
   field("end1", "m", primitive.end1);
   field("end2", "m", primitive.end2);

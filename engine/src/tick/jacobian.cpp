@@ -3,6 +3,7 @@
 #include <cassert>
 
 #include "base/floating_point.h"
+#include "base/small_turn.h"
 #include "base/vector6.h"
 #include "base/wrench.h"
 #include "borders/border_cut.h"
@@ -11,8 +12,6 @@
 #include "proxy/proxy_hand.h"
 #include "samples/sampled_forces.h"
 #include "section/contact_jacobian.h"
-#include "section/slab.h"
-#include "stages/narrowphase.h"
 #include "tick/felt_forces.h"
 
 namespace lumbrical {
@@ -63,7 +62,7 @@ constexpr double kStep = 1e-5, kTurn = 2e-4;
 // `pivot` by a small angle, joints included.
 void move_segments(std::size_t first, std::size_t last, Vec3 pivot, Vec3 shift, Vec3 angle,
                    const Primitives& from, Primitives& to) {
-  const Quat turn = normalized({1, 0.5 * angle.x, 0.5 * angle.y, 0.5 * angle.z});
+  const Quat turn = normalized(small_rotation(angle));
   const auto moved = [&](Vec3 p) { return pivot + shift + rotate(turn, p - pivot); };
   for (std::size_t i = first; i <= last; ++i) {
     to.base_joint[i] = moved(from.base_joint[i]);
