@@ -333,7 +333,8 @@ TEST(DeviceProgram, ASessionWhoseGuardCannotReadTheProfileDoesNotBegin) {
   const auto folder = fresh_folder();
   write_inputs(folder);
   const Outcome refused = shell(
-      "lumbrical run scene.json --ticks 20 --sink 'modbus-tcp://127.0.0.1:1?profile=/dev/stdin' <device.json",
+      "lumbrical run scene.json --rate 100 --ticks 20 --sink 'modbus-tcp://127.0.0.1:1?profile=/dev/stdin' "
+      "<device.json",
       folder);
   EXPECT_EQ(refused.exit_code, 2) << refused.output;
   EXPECT_NE(refused.error.find("ended before it stood guard"), std::string::npos) << refused.error;
@@ -515,7 +516,7 @@ TEST(DeviceProgram, SaysWhatIsWrongWithASink) {
       {"modbus-tcp://h?profile=scene.json", "scene.json:1:"},
       {"modbus-tcp://127.0.0.1:1?profile=mute.json", "has no heartbeat"}};
   for (const auto& [uri, told] : cases) {
-    const Outcome outcome = shell("lumbrical run scene.json --sink '" + uri + "'", folder);
+    const Outcome outcome = shell("lumbrical run scene.json --rate 100 --sink '" + uri + "'", folder);
     EXPECT_EQ(outcome.exit_code, 2) << uri;
     EXPECT_NE(outcome.error.find(told), std::string::npos) << uri << "\n" << outcome.error;
   }

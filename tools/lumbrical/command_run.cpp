@@ -60,6 +60,8 @@ std::string utc_text() {
   return std::string(text.data()) + fraction.data();
 }
 
+bool is_paced(const RunOptions& options) { return options.rate != "max"; }
+
 Status load(const RunOptions& options, SceneFile& scene_file) {
   if (options.scene == "-" && options.motion == "-")
     return Status::error("--motion -: standard input is the scene already; name a file for one of the two");
@@ -76,9 +78,11 @@ Status load(const RunOptions& options, SceneFile& scene_file) {
   if (!options.precision.empty()) settings.precision.fill(*parse_precision(options.precision));
   if (!options.law.empty()) settings.law.fill(*parse_law(options.law));
   if (options.stiffness) settings.stiffness = *options.stiffness;
-  if (options.rate != "max") settings.rate = std::stod(options.rate);
-  if (options.view && options.rate == "max")
+  if (is_paced(options)) settings.rate = std::stod(options.rate);
+  if (options.view && !is_paced(options))
     return Status::error("--view shows a session at the rate of the clock; give it one, --rate 1000 say");
+  if (options.sink != "null" && !is_paced(options))
+    return Status::error("--sink moves a hand at the rate of the clock; give it one, --rate 1000 say");
   if (!options.broadphase.empty()) scene_file.execution.broadphase = *parse_broadphase(options.broadphase);
   scene_file.execution.voxel_cache = options.voxel_cache;
   if (!options.voxel_cache.empty() && scene_file.execution.broadphase != Broadphase::voxel)
@@ -211,7 +215,7 @@ Status open_session(const RunOptions& options, Session& session) {
 Status open_recorder(const RunOptions& options, const std::vector<Model>& models, const DeviceSession* device,
                      Recorder& recorder) {
   RecorderOptions recorder_options;
-  recorder_options.wait_when_full = options.rate == "max";
+  recorder_options.wait_when_full = !is_paced(options);
   recorder_options.force_interval = force_interval(options.record_forces);
   recorder_options.pose_interval = interval_of(options.record_poses, models[0].settings.rate);
   recorder_options.contact_interval = interval_of(options.record_contacts, models[0].settings.rate);
@@ -235,7 +239,7 @@ int run(const RunOptions& options) {
   if (options.compare_precision) return run_comparison(options, scene_file);
   if (status = open_session(options, session); !status.ok()) return fail(status);
 
-  const bool paced = options.rate != "max";
+  const bool paced = is_paced(options);
   const bool with_device = options.sink != "null";
   const StopSignals stop_signals;
   LiveView live_view;
@@ -422,10 +426,10 @@ void add_run(Command& app, int& exit_code) {
       ->capture_default_str();
   add_record_switches(*options, *command);
   command
-      ->add_option(
-          "--sink", options->sink,
-          "Where forces go: null, modbus-tcp://HOST:PORT?profile=FILE, modbus-rtu:///dev/ttyX?profile=FILE, "
-          "udp://HOST:PORT?profile=FILE, memory:///NAME?profile=FILE")
+      ->add_option("--sink", options->sink,
+                   "Where forces go (with a --rate): null, modbus-tcp://HOST:PORT?profile=FILE, "
+                   "modbus-rtu:///dev/ttyX?profile=FILE, "
+                   "udp://HOST:PORT?profile=FILE, memory:///NAME?profile=FILE")
       ->check(Check{check_sink_uri, "URI"})
       ->excludes("--list");
   command->add_flag(
