@@ -182,6 +182,13 @@ TEST_F(DeviceLoopTest, NothingReachesADeviceBeforeTheStartAndForcesDoAfterIt) {
   EXPECT_TRUE(loop.figures.safe_at_end && loop.figures.was_active);
 }
 
+// Nothing is passive before that.
+TEST_F(DeviceLoopTest, TheLeastFactorOfAFingerThatTouchesNothingIsNoneOfTheTimeBeforeTheBusWasMeasured) {
+  open();
+  ASSERT_TRUE(steps_until([&] { return told() > 0; }));
+  for (const std::size_t finger : {2, 3, 4}) EXPECT_EQ(loop.control.least_factor[finger], 1);
+}
+
 // Who would arm before its last step, by a signal say, can tell.
 TEST_F(DeviceLoopTest, SaysWhetherItsOwnArmingIsBehindIt) {
   for (int times = 0; times < 2; ++times) {
