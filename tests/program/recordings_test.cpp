@@ -455,7 +455,9 @@ TEST(CommandLine, AnotherMeshIsTurnedAndToldOf) {
   EXPECT_NE(text.output.find("1 of 1 part turned outside out, 12 triangles"), std::string::npos)
       << text.output << text.error;
   const nlohmann::json windings = shell(replay + " --json", folder).json()["what_if"]["windings"];
-  EXPECT_EQ(windings[name]["turned_triangles"], 12);
+  ASSERT_EQ(windings.size(), 1u);
+  EXPECT_EQ(windings[0]["name"], name);
+  EXPECT_EQ(windings[0]["winding"]["turned_triangles"], 12);
 }
 
 TEST(CommandLine, WhatIfIsKeptAsARecordingOfItsOwn) {

@@ -190,5 +190,17 @@ TEST(WhatIfMesh, OfAnObjectWithFrictionFactorsHasAsManyTriangles) {
       << status.message();
 }
 
+TEST(WhatIfMesh, IsOfOneObjectOrOfNone) {
+  const std::string path = temporary_path("twins.mcap");
+  Scene scene = touch_scene();
+  scene.objects.push_back(scene.objects[0]);
+  record_touch(path, InputKind::joint_angles, {}, scene);
+  ReplayOptions options;
+  options.mesh["ball"] = scene.objects[0].mesh;
+  WhatIfResult result;
+  const Status status = what_if_file(path, options, result);
+  EXPECT_NE(status.message().find("several objects \"ball\""), std::string::npos) << status.message();
+}
+
 }  // namespace
 }  // namespace lumbrical::test

@@ -97,6 +97,8 @@ bool is_obj(const std::string& path) {
 int inspect(const InspectOptions& options) {
   if (is_scene(options.mesh)) {
     if (!options.unit.empty()) refuse_option("--unit", "a scene file tells the units of its meshes");
+    if (!options.broadphase.empty()) refuse_option("--broadphase", "the voxel index is one of a mesh");
+    if (!options.voxel_cache.empty()) refuse_option("--voxel-cache", "the voxel index is one of a mesh");
     if (!options.fix.empty()) refuse_option("--fix", "it takes a mesh");
     return inspect_scene(options.mesh, options.json);
   }
@@ -163,7 +165,7 @@ void add_inspect(Command& app, int& exit_code) {
           "Write the mesh as OBJ: outside out as in a scene, vertices joined, without degenerate and "
           "second triangles")
       ->check(is_file())
-      ->type_name("OUT");
+      ->type_name("OUT.obj");
   command->add_flag("--json", options->json, "Print one JSON object");
   command->callback([options, &exit_code] { exit_code = inspect(*options); });
 }

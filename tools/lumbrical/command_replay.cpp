@@ -100,7 +100,8 @@ Status replay_hand(RecordingReader& reader, const std::string& path, const Repla
                    const ReplayOptions& options, Replayed& replayed) {
   ReplayResult result;
   WhatIfResult changes;
-  if (!options.world.empty() && !reader.scene().world)
+  const bool alone = switches.recordings.size() == 1;  // others may need it
+  if (alone && !options.world.empty() && !reader.scene().world)
     return Status::error("--world: " + path + " holds its own meshes and names no world file; leave it out");
   if (Status status = replay(reader, options, result); !status.ok()) return status;
   const bool asked = asks_what_if(switches);

@@ -246,9 +246,6 @@ int run(const RunOptions& options) {
   if (options.view) {
     if (status = live_view.start(models); !status.ok()) return fail(status);
   }
-  // Whoever stops a device in an emergency must not end a session that has none.
-  if (!with_device)
-    for (const int signal : {SIGUSR1, SIGUSR2}) std::signal(signal, SIG_IGN);
   DeviceSession device;
   std::size_t device_hand = 0;
   if (with_device) {
@@ -450,6 +447,9 @@ void add_run(Command& app, int& exit_code) {
     if (options->scene.empty() && work.list.empty()) demand_option("Either a scene or --list LIST");
     if (work.list.empty() && !(work.shard.empty() && work.results.empty()))
       refuse_option(work.results.empty() ? "--shard" : "--results", "is for a --list of scenes");
+    // Whoever stops a device in an emergency must not end a session that has none.
+    if (options->sink == "null")
+      for (const int signal : {SIGUSR1, SIGUSR2}) std::signal(signal, SIG_IGN);
     exit_code = options->scene.empty() ? run_list(*options) : run(*options);
   });
 }

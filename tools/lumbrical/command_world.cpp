@@ -70,9 +70,7 @@ int make_world(const WorldOptions& options) {
     json["cell_size"] = world->grid.cell_size;
     json["bytes"] = world->byte_count;
     json["seconds"] = seconds;
-    json["windings"] = Json::array();
-    for (const World::Object& object : objects)
-      json["windings"].push_back({{"name", object.name}, {"winding", to_json(object.winding)}});
+    json["windings"] = windings_json(objects);
     return print_json(json);
   }
   Table table;

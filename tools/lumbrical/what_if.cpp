@@ -61,7 +61,7 @@ Json what_if_json(const WhatIfResult& result) {
   }
   for (std::size_t s = 0; s < result.torque.size(); ++s)
     json["torque"][std::string(segment_name(static_cast<int>(s)))] = change_json(result.torque[s]);
-  for (const World::Object& object : result.replaced) json["windings"][object.name] = to_json(object.winding);
+  if (!result.replaced.empty()) json["windings"] = windings_json(result.replaced);
   json["tick_us"] = {{"recorded", kMicroseconds * result.recorded_time},
                      {"unchanged", kMicroseconds * result.baseline_time},
                      {"changed", kMicroseconds * result.changed_time}};

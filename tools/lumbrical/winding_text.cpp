@@ -62,6 +62,13 @@ std::vector<std::string> winding_sentences(const WindingReport& report) {
   return sentences;
 }
 
+Json windings_json(const std::vector<World::Object>& objects) {
+  Json windings = Json::array();
+  for (const World::Object& object : objects)
+    windings.push_back({{"name", object.name}, {"winding", to_json(object.winding)}});
+  return windings;
+}
+
 void add_windings(const std::vector<World::Object>& objects, Table& table) {
   bool first = true;
   for (const World::Object& object : objects) {

@@ -11,6 +11,9 @@ namespace lumbrical::tool {
 
 Json to_json(const WindingReport& report);
 
+/// Of every object by itself: several may have the same name.
+Json windings_json(const std::vector<World::Object>& objects);
+
 /// A sentence on what was turned and one on what the user has to decide; empty where there is neither.
 std::vector<std::string> winding_sentences(const WindingReport& report);
 

@@ -84,11 +84,15 @@ Status scene_for(RecordingReader& reader, const ReplayOptions& options, Scene& s
   if (options.stiffness) scene.settings.stiffness = *options.stiffness;
   for (const auto& other : options.mesh) {
     const std::string& name = other.first;  // no structured binding: clang 14 does not capture those
-    const auto object = std::find_if(scene.objects.begin(), scene.objects.end(),
-                                     [&name](const SceneObject& o) { return o.name == name; });
+    const auto is_meant = [&name](const SceneObject& o) { return o.name == name; };
+    const auto object = std::find_if(scene.objects.begin(), scene.objects.end(), is_meant);
     if (object == scene.objects.end())
       return Status::error(reader.info().path + ": the scene has no object \"" + name +
                            "\"; lumbrical info lists them");
+    if (std::find_if(object + 1, scene.objects.end(), is_meant) != scene.objects.end())
+      return Status::error(
+          reader.info().path + ": the scene has several objects \"" + name +
+          "\", of which none can be meant alone; give them names of their own and record anew");
     if (Status status = replace_mesh(other.second, *object); !status.ok())
       return broken(reader, status.message());
   }
