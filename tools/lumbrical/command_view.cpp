@@ -1,10 +1,8 @@
 // lumbrical view: recordings in the browser.
 #include <csignal>
 #include <filesystem>
-#include <fstream>
 #include <memory>
 #include <string>
-#include <string_view>
 
 #include "commands.h"
 #include "output.h"
@@ -20,17 +18,9 @@ struct ViewOptions {
   bool no_browser = false;
 };
 
-// One that has just been begun may be empty still.
-bool begins_as_recording(const std::filesystem::path& file) {
-  constexpr std::string_view kMagic = "\x89MCAP";
-  std::string head(kMagic.size(), '\0');
-  std::ifstream in(file, std::ios::binary);
-  in.read(head.data(), static_cast<std::streamsize>(head.size()));
-  return kMagic.starts_with(head.substr(0, static_cast<std::size_t>(in.gcount())));
-}
-
 int view(const ViewOptions& options) {
   PageContent content;
+  if (Status status = read_viewer_page(content.html); !status.ok()) return fail(status);
   std::string link;
   for (std::filesystem::path file : {options.recording, options.other}) {
     if (file.empty()) continue;
@@ -43,14 +33,11 @@ int view(const ViewOptions& options) {
       return fail(file.string() + (type == std::filesystem::file_type::not_found ? ": there is no such file"
                                                                                  : ": is no file"));
     }
-    if (!begins_as_recording(file))
-      return fail(file.string() + ": is not an MCAP file; view shows recordings (run --record)");
     // What cannot be read is told by the page, which says what and where.
     const std::string place = link.empty() ? "a/" : "b/", name = file.filename().string();
     content.files["/" + place + name] = std::filesystem::absolute(file).string();
     link += (link.empty() ? "#recording=" : "&recording=") + place + percent_encoded(name);
   }
-  if (Status status = read_viewer_page(content.html); !status.ok()) return fail(status);
   // Blocked before the server's threads are there, so that the signal comes to this one.
   sigset_t ends;
   sigemptyset(&ends);
