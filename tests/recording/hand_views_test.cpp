@@ -31,16 +31,7 @@ void record_views(const std::string& path, const Scene& scene, See&& see) {
   Recorder recorder;
   Status status = recorder.open(cleared(path), scene, options);
   ASSERT_TRUE(status.ok()) << status.message();
-  State state = make_state(model);
-  Scratch scratch = make_scratch(model);
-  for (std::uint64_t i = 0; i < kTicks; ++i) {
-    TickRecord record;
-    record.device = touch_frame(i, InputKind::joint_poses, scene.hand);
-    record.output = tick(model, state, scratch, record.device);
-    take_results(state, scratch, record);
-    ASSERT_TRUE(recorder.record(record, &state));
-    see(record, state);
-  }
+  record_ticks(model, InputKind::joint_poses, recorder, see);
   status = recorder.close();
   ASSERT_TRUE(status.ok()) << status.message();
 }

@@ -141,15 +141,7 @@ void record_ball(const std::string& path, const SceneObject& ball) {
   ASSERT_TRUE(build_model(scene, {}, model).ok());
   Recorder recorder;
   ASSERT_TRUE(recorder.open(cleared(path), scene_of(model), {}).ok());
-  State state = make_state(model);
-  Scratch scratch = make_scratch(model);
-  for (std::uint64_t i = 0; i < kTicks; ++i) {
-    TickRecord record;
-    record.device = touch_frame(i, InputKind::joint_angles, scene.hand);
-    record.output = tick(model, state, scratch, record.device);
-    take_results(state, scratch, record);
-    ASSERT_TRUE(recorder.record(record, &state));
-  }
+  record_ticks(model, InputKind::joint_angles, recorder, [](const TickRecord&, const State&) {});
   ASSERT_TRUE(recorder.close().ok());
 }
 

@@ -73,6 +73,21 @@ inline void record_touch(const std::string& path, InputKind kind, const Executio
   ASSERT_GT(contacts, 0u) << "the hand never touches the ball";
 }
 
+/// What that hand feels of a model, with the state that each tick left; `see` is shown both.
+template <class See>
+void record_ticks(const Model& model, InputKind kind, Recorder& recorder, const See& see) {
+  State state = make_state(model);
+  Scratch scratch = make_scratch(model);
+  for (std::uint64_t i = 0; i < kTicks; ++i) {
+    TickRecord record;
+    record.device = touch_frame(i, kind, model.hand);
+    record.output = tick(model, state, scratch, record.device);
+    take_results(state, scratch, record);
+    ASSERT_TRUE(recorder.record(record, &state));
+    see(record, state);
+  }
+}
+
 inline Status replay_file(const std::string& path, ReplayResult& result, const ReplayOptions& options = {}) {
   RecordingReader reader;
   if (Status status = reader.open(path); !status.ok()) return status;

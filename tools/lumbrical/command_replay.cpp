@@ -58,8 +58,7 @@ Status replay_options(const ReplaySwitches& switches, ReplayOptions& options) {
   if (!switches.law.empty()) options.law = parse_law(switches.law);
   if (!switches.broadphase.empty()) options.execution.broadphase = *parse_broadphase(switches.broadphase);
   options.execution.voxel_cache = switches.voxel_cache;
-  if (!switches.voxel_cache.empty() && options.execution.broadphase != Broadphase::voxel)
-    return Status::error("--voxel-cache: needs --broadphase voxel");
+  if (Status status = check_voxel_cache(options.execution); !status.ok()) return status;
   options.world = switches.world;
   options.record = switches.record;
   options.stiffness = switches.stiffness;

@@ -85,8 +85,7 @@ Status load(const RunOptions& options, SceneFile& scene_file) {
     return Status::error("--sink moves a hand at the rate of the clock; give it one, --rate 1000 say");
   if (!options.broadphase.empty()) scene_file.execution.broadphase = *parse_broadphase(options.broadphase);
   scene_file.execution.voxel_cache = options.voxel_cache;
-  if (!options.voxel_cache.empty() && scene_file.execution.broadphase != Broadphase::voxel)
-    return Status::error("--voxel-cache: needs --broadphase voxel");
+  if (Status status = check_voxel_cache(scene_file.execution); !status.ok()) return status;
   // Helpers of a real-time thread have no real-time priority: it would wait for them.
   if (options.sink != "null") scene_file.execution.threads = 1;
   if (options.threads) scene_file.execution.threads = *options.threads;

@@ -97,6 +97,12 @@ inline Check is_broadphase() {
 
 inline const char* const kWorldHelp =
     "World file, where the recording has its world in one; unless given, beside the recording";
+/// A cache without an index would be ignored.
+inline Status check_voxel_cache(const Execution& execution) {
+  if (execution.voxel_cache.empty() || execution.broadphase == Broadphase::voxel) return {};
+  return Status::error("--voxel-cache: needs --broadphase voxel");
+}
+
 inline const char* const kVoxelCacheHelp = "Folder that keeps voxel indices from one run to the next";
 
 /// Settings::precision: a number, or "exact" for 0.

@@ -71,6 +71,9 @@ Status kept_state(RecordingReader& reader, std::uint64_t begin, std::uint64_t ti
   }
 }
 
+// A search backwards takes more and more ticks, at most all of them.
+std::uint64_t farther(std::uint64_t back, std::uint64_t all) { return back < all / 8 ? 8 * back : all; }
+
 /// From the last state kept before the first tick that is copied; looked for backwards, a few chunks first.
 Status find_from_kept(RecordingReader& reader, const Model& model, const CopyOptions& options, State& state,
                       bool& found) {
@@ -78,7 +81,7 @@ Status find_from_kept(RecordingReader& reader, const Model& model, const CopyOpt
   const std::uint64_t all = tick_number - first;
   std::optional<State> kept;
   std::uint64_t begin = tick_number;
-  for (std::uint64_t back = 256; !kept && begin > first; back = back < all / 8 ? 8 * back : all) {
+  for (std::uint64_t back = 256; !kept && begin > first; back = farther(back, all)) {
     const std::uint64_t end = begin;
     begin = tick_number - std::min(back, all);
     if (Status status = kept_state(reader, begin, end, options.stop, kept); !status.ok()) return status;
@@ -98,7 +101,7 @@ Status find_from_output(RecordingReader& reader, const Model& model, const CopyO
   const std::uint64_t all = options.from - first;
   std::uint64_t back = 2 * static_cast<std::uint64_t>(settings.fade_time * settings.rate) + 8;
   if (!model.apart.empty()) back = all;  // where objects are depends on all ticks before
-  for (;; back = back < all / 8 ? 8 * back : all) {
+  for (;; back = farther(back, all)) {
     const std::uint64_t begin = options.from - std::min(back, all);
     if (Status status = guess_state(reader, model, begin, state); !status.ok()) return status;
     if (state.tick == begin)

@@ -5,8 +5,6 @@
 #include <filesystem>
 #include <new>
 #include <optional>
-#include <utility>
-#include <vector>
 
 #include "base/check_stop.h"
 #include "lumbrical/recording.h"
@@ -105,8 +103,6 @@ class WhatIf {
       baseline_.state = reader.initial_state(baseline_.model);
     }
     if (!status.ok()) return Status::error(reader.info().path + ": " + status.message());
-    for (const World::Object& object : all_objects(changed_.model))
-      if (options.mesh.count(object.name) > 0) replaced_.push_back(object);
     if (options.record.empty()) return {};
     return open_record(reader, changed_.model, options.record, recorder_.emplace());
   }
@@ -132,10 +128,11 @@ class WhatIf {
     ++ticks_;
   }
 
-  Status finish(WhatIfResult& result) {
+  Status finish(const ReplayOptions& options, WhatIfResult& result) {
     result.ticks = ticks_;
     result.unlike_recorded = unlike_recorded_;
-    result.replaced = std::move(replaced_);
+    for (const World::Object& object : all_objects(changed_.model))
+      if (options.mesh.count(object.name) > 0) result.replaced.push_back(object);
     const double per = 1 / static_cast<double>(ticks_);
     for (std::size_t p = 0; p < force_.size(); ++p) {
       result.force[p] = force_[p].over(ticks_);
@@ -167,7 +164,6 @@ class WhatIf {
 
   TimedRun changed_, baseline_;
   std::optional<Recorder> recorder_;
-  std::vector<World::Object> replaced_;
   double recorded_seconds_ = 0;
   std::uint64_t ticks_ = 0, unlike_recorded_ = 0;
   std::array<Sum, kFingerCount + 1> force_, force_jnd_;
@@ -195,7 +191,7 @@ Status what_if(RecordingReader& reader, const ReplayOptions& options, WhatIfResu
     comparison.add(recorded);
     if (options.progress && done % kProgressInterval == 0) options.progress(done, reader.info().ticks);
   }
-  return comparison.finish(result);
+  return comparison.finish(options, result);
 } catch (const std::bad_alloc&) {
   return Status::error(reader.info().path + ": not enough memory to replay the recording");
 }

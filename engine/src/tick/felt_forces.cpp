@@ -30,9 +30,9 @@ bool find_exact_candidates(const Model& model, const Primitives& hand, Scratch& 
   return true;
 }
 
-HandForces sum_up(const Model& model, Scratch& scratch) {
+HandForces sum_up(const Model& model, Scratch& scratch, bool all_found) {
   tell(scratch.watch, Stage::broadphase);
-  find_all_contacts(model, scratch);
+  find_all_contacts(model, scratch, all_found);
   tell(scratch.watch, Stage::narrowphase);
   if (!scratch.primitives->in_reach) return {};  // nothing is felt, and such a hand's axes are not set
   const std::span<const Contact> contacts(scratch.contacts.data(), scratch.contact_count);
@@ -98,11 +98,13 @@ void make_room(const Model& model, Scratch& scratch) {
   }
 }
 
-void find_all_contacts(const Model& model, Scratch& scratch) {
+void find_all_contacts(const Model& model, Scratch& scratch, bool all_found) {
   const std::span<const std::uint64_t> candidates(scratch.candidates.data(), scratch.candidate_count);
   scratch.contact_count = find_contacts(model, *scratch.primitives, candidates, scratch.contacts);
-  scratch.no_jacobian = take_off_overlaps(model, *scratch.primitives, segments_felt_once(model),
-                                          {scratch.contacts.data(), scratch.contact_count}, scratch.sorting);
+  const std::uint32_t shared =
+      take_off_overlaps(model, *scratch.primitives, segments_felt_once(model),
+                        {scratch.contacts.data(), scratch.contact_count}, scratch.sorting);
+  scratch.no_jacobian = all_found ? shared : kAllSegments;
 }
 
 HandForces feel(const Model& model, Scratch& scratch, std::uint64_t spent, std::uint32_t& flags) {
@@ -125,16 +127,14 @@ HandForces feel(const Model& model, Scratch& scratch, std::uint64_t spent, std::
     all_found = find_exact_candidates(model, hand, scratch);
     if (!all_found) flags |= kCandidateOverflow;
   }
-  const HandForces forces = sum_up(model, scratch);
-  if (!all_found) scratch.no_jacobian = kAllSegments;
-  return forces;
+  return sum_up(model, scratch, all_found);
 }
 
 HandForces feel_nothing(const Model& model, Scratch& scratch) {
   scratch.primitives->in_reach = false;
   scratch.samples->forces = {};
   scratch.candidate_count = 0;
-  return sum_up(model, scratch);
+  return sum_up(model, scratch, true);
 }
 
 void forget_hand(Primitives& hand) {

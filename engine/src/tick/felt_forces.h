@@ -52,7 +52,7 @@ void operator+=(Findings& to, const Findings& more);
 /// Of the last time `model` was felt on `scratch`, layers included.
 Findings findings_of(const Model& model, const Scratch& scratch);
 
-/// Contacts of the candidates in `scratch`.
-void find_all_contacts(const Model& model, Scratch& scratch);
+/// Contacts of the candidates in `scratch`; where these are not `all_found`, no Jacobian is known.
+void find_all_contacts(const Model& model, Scratch& scratch, bool all_found);
 
 }  // namespace lumbrical

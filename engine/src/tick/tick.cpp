@@ -171,8 +171,7 @@ namespace {
 void find_exact_contacts(const Model& model, Scratch& scratch) {
   const bool all_found = find_candidates(model, *scratch.primitives, scratch);
   if (!all_found) scratch.candidate_count = 0;
-  find_all_contacts(model, scratch);
-  if (!all_found) scratch.no_jacobian = kAllSegments;
+  find_all_contacts(model, scratch, all_found);
 }
 
 // Is this part of a triangle nothing but rounding's, where the segment only just misses it? It may lie beside
