@@ -89,7 +89,7 @@ inline Check is_broadphase() {
             const std::optional<Broadphase> broadphase = parse_broadphase(text);
             if (!broadphase) return "\"" + text + "\" is not a search; use auto, tree, grid, voxel or brute";
             if (!available(*broadphase))
-              return text + " is not in this build, which is without OpenVDB; use tree or grid";
+              return text + " needs OpenVDB, which this build or this machine is without; use tree or grid";
             return {};
           },
           "auto|tree|grid|voxel|brute"};

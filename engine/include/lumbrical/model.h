@@ -52,7 +52,8 @@ enum class Broadphase : std::uint8_t {
 /// times as much at 100 km (bench/broadphase_bench, "apart").
 inline constexpr double kGridExtent = 1000;
 
-/// Can this build search that way? All but voxel always can; that needs OpenVDB.
+/// Can this build search that way? All but voxel always can; that needs OpenVDB, whose module is loaded to
+/// answer.
 bool available(Broadphase broadphase);
 
 /// What the kernels are compiled for. Never changes a result, only the time it takes.

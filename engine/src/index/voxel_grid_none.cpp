@@ -12,19 +12,10 @@ Status without_openvdb() {
 
 }  // namespace
 
-struct VoxelGrid {};
-
 bool has_openvdb() { return false; }
 Status make_distance_field(const Triangles&, const VoxelLists&, DistanceField&) { return without_openvdb(); }
 Status make_voxel_grid(const VoxelLists&, const DistanceField&, std::shared_ptr<const VoxelGrid>&) {
   return without_openvdb();
 }
-std::size_t find_voxels(const VoxelGrid&, const VoxelLists&, const VoxelQuery&, std::vector<std::uint32_t>&) {
-  return 0;
-}
-std::int32_t voxel_number(const VoxelGrid&, VoxelPlace) { return -1; }
-bool has_field(const VoxelGrid&) { return false; }
-double sample_field(const VoxelGrid&, Vec3) { return 0; }
-std::size_t byte_count(const VoxelGrid&) { return 0; }
 
 }  // namespace lumbrical

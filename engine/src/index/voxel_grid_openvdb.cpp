@@ -1,5 +1,5 @@
 // The one file that knows OpenVDB (Museth, VDB, 2013): builds its trees from plain arrays, searches them node
-// by node.
+// by node. It is a module by itself, see voxel_grid.cpp.
 #include <openvdb/Grid.h>
 #include <openvdb/Types.h>
 #include <openvdb/tools/Interpolation.h>
@@ -14,13 +14,6 @@
 #include "index/voxel_grid.h"
 
 namespace lumbrical {
-
-struct VoxelGrid {
-  openvdb::Int32Tree::RootNodeType number{-1};  // of the voxel, where a triangle touches it
-  openvdb::FloatTree distance;                  // [voxels]
-  bool has_distance = false;
-};
-
 namespace {
 
 constexpr float kBand = 3;  // [voxels] to either side
@@ -158,11 +151,40 @@ void set_box(Search& search) {
                  voxel(max(query.end.z, other.z) + reach)};
 }
 
-}  // namespace
+class OpenvdbGrid final : public VoxelGrid {
+ public:
+  openvdb::Int32Tree::RootNodeType number{-1};  // of the voxel, where a triangle touches it
+  openvdb::FloatTree distance;                  // [voxels]
+  bool has_distance = false;
 
-bool has_openvdb() { return true; }
+  std::size_t find(const VoxelLists& lists, const VoxelQuery& query,
+                   std::vector<std::uint32_t>& found) const override {
+    Search search{lists.voxel, query, static_cast<double>(lists.reach), {}, {}, found};
+    set_box(search);
+    for (auto child = number.cbeginChildOn(); child; ++child) {
+      using Child = openvdb::Int32Tree::RootNodeType::ChildNodeType;
+      if (may_hold(search, child->origin(), Child::DIM, search.margin)) visit(*child, search);
+    }
+    return search.count;
+  }
 
-Status make_distance_field(const Triangles& triangles, const VoxelLists& lists, DistanceField& field) {
+  std::int32_t number_at(VoxelPlace place) const override {
+    return number.getValue({place.x, place.y, place.z});
+  }
+
+  bool has_field() const override { return has_distance; }
+
+  double sample_field(Vec3 p) const override {
+    return static_cast<double>(
+        openvdb::tools::BoxSampler::sample(distance, openvdb::Vec3d(p.x - 0.5, p.y - 0.5, p.z - 0.5)));
+  }
+
+  std::size_t byte_count() const override {
+    return number.memUsage() + (has_distance ? distance.memUsage() : 0);
+  }
+};
+
+Status distance_field_of(const Triangles& triangles, const VoxelLists& lists, DistanceField& field) {
   return guarded([&] {
     const auto vertices = vertices_of(triangles, lists);
     const auto corners = corner_numbers(triangles);
@@ -187,10 +209,10 @@ Status make_distance_field(const Triangles& triangles, const VoxelLists& lists, 
   });
 }
 
-Status make_voxel_grid(const VoxelLists& lists, const DistanceField& field,
-                       std::shared_ptr<const VoxelGrid>& result) {
+Status grid_of(const VoxelLists& lists, const DistanceField& field,
+               std::shared_ptr<const VoxelGrid>& result) {
   return guarded([&] {
-    const auto grid = std::make_shared<VoxelGrid>();
+    const auto grid = std::make_shared<OpenvdbGrid>();
     for (std::size_t i = 0; i < lists.key.size(); ++i)
       grid->number.setValueOn(coord_of(lists.key[i], 0), static_cast<openvdb::Int32>(i));
     grid->has_distance = !field.key.empty();
@@ -202,30 +224,10 @@ Status make_voxel_grid(const VoxelLists& lists, const DistanceField& field,
   });
 }
 
-std::size_t find_voxels(const VoxelGrid& grid, const VoxelLists& lists, const VoxelQuery& query,
-                        std::vector<std::uint32_t>& found) {
-  Search search{lists.voxel, query, static_cast<double>(lists.reach), {}, {}, found};
-  set_box(search);
-  for (auto child = grid.number.cbeginChildOn(); child; ++child) {
-    using Child = openvdb::Int32Tree::RootNodeType::ChildNodeType;
-    if (may_hold(search, child->origin(), Child::DIM, search.margin)) visit(*child, search);
-  }
-  return search.count;
-}
-
-std::int32_t voxel_number(const VoxelGrid& grid, VoxelPlace place) {
-  return grid.number.getValue({place.x, place.y, place.z});
-}
-
-bool has_field(const VoxelGrid& grid) { return grid.has_distance; }
-
-double sample_field(const VoxelGrid& grid, Vec3 p) {
-  return static_cast<double>(
-      openvdb::tools::BoxSampler::sample(grid.distance, openvdb::Vec3d(p.x - 0.5, p.y - 0.5, p.z - 0.5)));
-}
-
-std::size_t byte_count(const VoxelGrid& grid) {
-  return grid.number.memUsage() + (grid.has_distance ? grid.distance.memUsage() : 0);
-}
-
+}  // namespace
 }  // namespace lumbrical
+
+extern "C" const lumbrical::VoxelGridModule* lumbrical_voxel_grid_module() {
+  static constexpr lumbrical::VoxelGridModule kModule{lumbrical::distance_field_of, lumbrical::grid_of};
+  return &kModule;
+}

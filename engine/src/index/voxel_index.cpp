@@ -85,8 +85,8 @@ void fill_report(VoxelIndex& index, Clock::time_point start) {
   report.voxels = lists.voxel.size() - 1;
   report.entries = lists.triangle.size();
   report.wide = lists.wide.size();
-  report.bytes = byte_count(lists) + byte_count(*index.grid) + byte_count(index.wide);
-  report.has_distance = has_field(*index.grid);
+  report.bytes = byte_count(lists) + index.grid->byte_count() + byte_count(index.wide);
+  report.has_distance = index.grid->has_field();
   if (!report.has_distance) {
     add_note(report, report.wide > 0
                          ? "there is no signed distance, because some triangles are too wide for voxels"
@@ -106,7 +106,7 @@ struct Nearest {
 void add_voxel(const Model& model, Vec3 p, VoxelPlace place, Nearest& nearest) {
   constexpr double kTie = 1 + 1e-9;  // triangles about as near share an edge or a corner
   const VoxelLists& lists = model.voxels->lists;
-  const std::int32_t number = voxel_number(*model.voxels->grid, place);
+  const std::int32_t number = model.voxels->grid->number_at(place);
   if (number < 0) return;
   for (const std::uint32_t triangle : touching(*model.voxels, static_cast<std::uint32_t>(number))) {
     const auto corner = [&](const SharedArray<std::uint32_t>& corners) {
@@ -161,7 +161,7 @@ Status build_voxels(const Triangles& triangles, const Execution& execution,
   index->lists.key = {};
   std::vector<std::uint32_t> wide = index->lists.wide;
   index->wide = build_tree(triangles, wide, execution);
-  index->inside_out = has_field(*index->grid) && is_inside_out(triangles, index->lists.origin);
+  index->inside_out = index->grid->has_field() && is_inside_out(triangles, index->lists.origin);
   fill_report(*index, start);
   if (static_cast<double>(index->report.bytes) > execution.voxel_memory)
     return voxels_too_large(static_cast<double>(index->report.bytes), execution);
@@ -180,7 +180,7 @@ std::size_t find_voxels(const VoxelIndex& index, const Primitive& primitive,
       square > 1e-20 ? 1 / square : 0;  // a shorter axis is taken for a point, and 1e-10 for rounding
   const double radius = per_voxel * max(primitive.radius1, primitive.radius2);
   query.reach = (1 + 1e-6) * radius + 1e-6 + 1e-12 * std::sqrt(square);
-  return find_voxels(*index.grid, index.lists, query, found);
+  return index.grid->find(index.lists, query, found);
 }
 
 std::optional<VoxelReport> voxel_report(const Model& model) {
@@ -197,8 +197,8 @@ std::optional<double> signed_distance(const Model& model, Vec3 p) {
   // Between here and the middle of this very voxel there is no surface: it has the point's sign.
   const Vec3 inside{clamp(place.x, -100, 1e7), clamp(place.y, -100, 1e7), clamp(place.z, -100, 1e7)};
   const Vec3 middle{std::floor(inside.x) + 0.5, std::floor(inside.y) + 0.5, std::floor(inside.z) + 0.5};
-  const bool outside = sample_field(*model.voxels->grid, middle) > 0;
-  const double far = max(std::fabs(sample_field(*model.voxels->grid, inside)), 1);
+  const bool outside = model.voxels->grid->sample_field(middle) > 0;
+  const double far = max(std::fabs(model.voxels->grid->sample_field(inside)), 1);
   return lists.voxel_size * (outside ? far : -far);
 }
 
