@@ -1,6 +1,8 @@
 #include "model/apart_objects.h"
 
 #include <algorithm>
+#include <array>
+#include <cstdlib>
 #include <string>
 
 #include "base/floating_point.h"
@@ -197,23 +199,91 @@ void place_mesh(const Pose& X_WO, Mesh& mesh) {
 
 namespace {
 
-// Eight round each of the six axes, so little off it that all of a flat face's rim is found and nothing
-// behind a rounded edge, and the eight between three axes.
-std::vector<Vec3> support_directions() {
+// Eight round each of the six axes, axis by axis, so little off it that all of a flat face's rim is found and
+// nothing behind a rounded edge.
+constexpr std::size_t kRound = 8;
+std::vector<Vec3> rim_directions() {
   constexpr double kOff = 0.02;
   std::vector<Vec3> directions;
-  for (int code = 0; code < 27; ++code) {
-    const Vec3 d{code % 3 - 1.0, code / 3 % 3 - 1.0, code / 9 - 1.0};
-    const double square = dot(d, d);
-    if (square == 3) directions.push_back(d);
-    for (int axis = 0; axis < 3; ++axis) {
-      const double along = axis == 0 ? d.x : axis == 1 ? d.y : d.z;
-      if (along == 0 || square == 1) continue;
-      const Vec3 straight = along * Vec3{axis == 0 ? 1.0 : 0, axis == 1 ? 1.0 : 0, axis == 2 ? 1.0 : 0};
-      directions.push_back(straight + kOff * (d - straight));
+  for (std::size_t side = 0; side < 6; ++side) {
+    const std::size_t axis = side / 2;
+    for (int code = 0; code < 9; ++code) {
+      if (code == 4) continue;
+      std::array<double, 3> d{};
+      d[axis] = side % 2 == 0 ? -1 : 1;
+      d[(axis + 1) % 3] = kOff * (code % 3 - 1);
+      d[(axis + 2) % 3] = kOff * (code / 3 - 1);
+      directions.push_back({d[0], d[1], d[2]});
     }
   }
   return directions;
+}
+
+// All over the sphere, some 12 degrees apart.
+std::vector<Vec3> spread_directions() {
+  constexpr int kReach = 4;
+  std::vector<Vec3> directions;
+  for (int x = -kReach; x <= kReach; ++x)
+    for (int y = -kReach; y <= kReach; ++y)
+      for (int z = -kReach; z <= kReach; ++z)
+        if (std::max({std::abs(x), std::abs(y), std::abs(z)}) == kReach)
+          directions.push_back({double(x), double(y), double(z)});
+  for (Vec3& d : directions) d = (1 / norm(d)) * d;
+  return directions;
+}
+
+// [m] Of the box round them, from corner to corner.
+double size_of(const std::vector<Vec3>& vertices) {
+  Vec3 low = vertices[0], high = vertices[0];
+  for (const Vec3 v : vertices) {
+    low = {min(low.x, v.x), min(low.y, v.y), min(low.z, v.z)};
+    high = {max(high.x, v.x), max(high.y, v.y), max(high.z, v.z)};
+  }
+  return norm(high - low);
+}
+
+Vec3 farthest_along(Vec3 direction, const std::vector<Vec3>& vertices) {
+  return *std::max_element(vertices.begin(), vertices.end(),
+                           [&](Vec3 a, Vec3 b) { return dot(direction, a) < dot(direction, b); });
+}
+
+// Corners of faces that lie across an axis. Where there is no face, its place is taken by one point.
+std::vector<Vec3> rim_points(const std::vector<Vec3>& vertices, double size) {
+  constexpr double kFace = 0.025;  // of the size: what is smaller is none to rest on
+  const std::vector<Vec3> directions = rim_directions();
+  std::vector<Vec3> points;
+  for (std::size_t first = 0, i = 0; i < directions.size(); ++i) {
+    if (i % kRound == 0) first = points.size();
+    const Vec3 point = farthest_along(directions[i], vertices);
+    const auto is_near = [&](Vec3 other) { return norm(point - other) < kFace * size; };
+    if (std::none_of(points.begin() + static_cast<std::ptrdiff_t>(first), points.end(), is_near) &&
+        std::find(points.begin(), points.end(), point) == points.end())
+      points.push_back(point);
+  }
+  return points;
+}
+
+// Adds, one by one, what stands out most of all that is there already.
+void add_outermost(const std::vector<Vec3>& vertices, double size, std::vector<Vec3>& points) {
+  constexpr double kUnseen = 1e-3;  // of the size
+  struct Way {
+    Vec3 direction, farthest;
+    double gap = 0;
+  };
+  std::vector<Way> ways;
+  const auto out_of = [](const Way& way, Vec3 point) { return dot(way.direction, way.farthest - point); };
+  for (const Vec3 direction : spread_directions()) {
+    Way& way = ways.emplace_back(Way{direction, farthest_along(direction, vertices), 2 * size});
+    for (const Vec3 point : points) way.gap = min(way.gap, out_of(way, point));
+  }
+  while (points.size() < kMostSupports) {
+    const Way& widest =
+        *std::max_element(ways.begin(), ways.end(), [](const Way& a, const Way& b) { return a.gap < b.gap; });
+    if (!(widest.gap > kUnseen * size)) return;
+    const Vec3 point = widest.farthest;
+    points.push_back(point);
+    for (Way& way : ways) way.gap = min(way.gap, out_of(way, point));
+  }
 }
 
 // Those that triangles name: of others nothing is felt or seen, and scans carry some.
@@ -231,14 +301,10 @@ std::vector<Vec3> named_vertices(const Mesh& mesh) {
 
 std::vector<Vec3> support_points(const Mesh& mesh) {
   const std::vector<Vec3> vertices = named_vertices(mesh);
-  std::vector<Vec3> points;
-  if (vertices.empty()) return points;
-  for (const Vec3 direction : support_directions()) {
-    const Vec3 farthest = *std::max_element(vertices.begin(), vertices.end(), [&](Vec3 a, Vec3 b) {
-      return dot(direction, a) < dot(direction, b);
-    });
-    if (std::find(points.begin(), points.end(), farthest) == points.end()) points.push_back(farthest);
-  }
+  if (vertices.empty()) return {};
+  const double size = size_of(vertices);
+  std::vector<Vec3> points = rim_points(vertices, size);
+  add_outermost(vertices, size, points);
   return points;
 }
 

@@ -30,8 +30,8 @@ std::string inertia_rule();
 /// Gravity and ground.
 Status check_surroundings(const Scene& scene);
 
-/// [m] O: points of a mesh that may rest on a plane, those farthest out in 56 directions, most of them close
-/// to an axis.
+/// [m] O: up to kMostSupports points of a mesh that may rest on a plane: the corners of faces across its
+/// axes, then what stands out most all round.
 std::vector<Vec3> support_points(const Mesh& mesh);
 
 /// Finds what each object's latch is opened by.

@@ -96,4 +96,20 @@ double share_that_sticks(const Friction& friction, Vec3 force, Vec3 torque) {
                       product(force, force, torque, torque));
 }
 
+// The step ends with a speed as one over 1 + share times a stiffness, so along one way the share found is a
+// straight line over that taken, and two steps tell where both are the same. Without that, skin stiff for a
+// light thing would let go in every step and be drawn from one end to the other.
+Share next_share(const Share& sticks, double found) {
+  const double taken = sticks.now;
+  if (taken < 0) return {found};
+  Share next{found, taken, found};
+  if (sticks.taken < 0 || found == taken || taken == sticks.taken) return next;
+  const double slope = (found - sticks.found) / (taken - sticks.taken);
+  if (slope < 1)
+    next.now = clamp((found - slope * taken) / (1 - slope), 0, 1);
+  else if (found > taken)
+    next.now = 1;
+  return next;
+}
+
 }  // namespace lumbrical

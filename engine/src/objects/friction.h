@@ -30,6 +30,16 @@ double twist_stiffness(const Material& material);
 /// slides already, until it would slide the other way.
 double share_that_sticks(const Friction& friction, Vec3 force, Vec3 torque);
 
+/// How much of a patch sticks in a step, 0 to 1: what it has at the speed that a step taken with it
+/// ends with. Below 0: not known yet.
+struct Share {
+  double now = -1;                ///< of the step to come
+  double taken = -1, found = -1;  ///< of the one before: with which, and what it then had
+};
+
+/// Of a step taken with `sticks.now`, at whose end `found` stick.
+Share next_share(const Share& sticks, double found);
+
 /// The largest s from 0 to 1 with |now + s more| <= 1, of the squares of both and their product.
 double share_within(double now, double product, double more);
 

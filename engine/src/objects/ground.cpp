@@ -2,13 +2,14 @@
 
 #include <cmath>
 
-#include "objects/friction.h"
-
 namespace lumbrical {
 namespace {
 
 // [m] So far a body sinks in at a single point that carries it.
 constexpr double kRestingDepth = 5e-5;
+
+// [N/m] What is light and pressed by a hand finds the ground as hard.
+constexpr double kLeastStiffness = 5e4;
 
 // [m/s] What is deeper in, since it began there or fell fast, comes out no faster; what comes down faster
 // than that is not held so hard, or what spins would rattle at low rates.
@@ -27,11 +28,13 @@ Support support_at(const Ground& ground, Vec3 point, Vec3 centre, const ObjectSt
 }  // namespace
 
 Wrench rest_on(const Ground& ground, std::span<const Vec3> points, const MassProperties& body, double weight,
-               double load, double dt, ObjectState& state, Springs& springs) {
+               double load, const Twist& expected, double dt, SupportShares& sticks, ObjectState& state,
+               Springs& springs) {
   Wrench wrench;
   const Vec3 centre = transform(state.pose, body.centre);
   // Damped as strongly as does without a bounce.
-  const double stiffness = weight / kRestingDepth, critical = 2 * std::sqrt(stiffness * body.mass);
+  const double stiffness = max(weight / kRestingDepth, kLeastStiffness),
+               critical = 2 * std::sqrt(stiffness * body.mass);
   const auto damping_of = [&](const Support& support) {
     return support.rising < -kFalling ? critical : max(critical, stiffness * support.depth / kMostRising);
   };
@@ -60,15 +63,19 @@ Wrench rest_on(const Ground& ground, std::span<const Vec3> points, const MassPro
     const double pressed = max(0, stiffness * depth - dt * resistance * later);
     const double most = ground.friction * pressed / stiffness;
     const double drawn = norm(anchor.shear);
-    const bool slides = drawn > most || !(most > 0);
     if (drawn > most) anchor.shear = (most / drawn) * anchor.shear;
     const Vec3 force = stiffness * depth * ground.normal - stiffness * anchor.shear;
     wrench.force += force;
     wrench.torque += cross(arm, force);
     springs.push_back({arm, ground.normal, resistance, 0, 0});
-    if (slides) continue;
-    const Vec3 now = (1 / most) * anchor.shear, more = (dt * resistance / (stiffness * most)) * along;
-    springs.back().across = resistance * share_within(dot(now, now), dot(now, more), dot(more, more));
+    if (!(most > 0)) continue;
+    // What slides is not held unless it would slide the other way in the end: a hand presses light things so
+    // hard that friction turns them round within a step.
+    const Vec3 end = expected.velocity + cross(expected.angular_velocity, arm),
+               drawing = end - dot(ground.normal, end) * ground.normal;
+    const Vec3 now = (1 / most) * anchor.shear, more = (dt * resistance / (stiffness * most)) * drawing;
+    sticks[i] = next_share(sticks[i], share_within(dot(now, now), dot(now, more), dot(more, more)));
+    springs.back().across = resistance * sticks[i].now;
   }
   return wrench;
 }

@@ -11,13 +11,6 @@
 
 namespace lumbrical {
 
-/// How much of a patch's skin sticks in a step, 0 to 1: what it has at the speed that a step taken with it
-/// ends with. Below 0: not known yet.
-struct Share {
-  double now = -1;                ///< of the step to come
-  double taken = -1, found = -1;  ///< of the one before: with which, and what it then had
-};
-
 /// What a segment feels of an object.
 struct Touch {
   std::size_t segment = 0;
