@@ -139,6 +139,16 @@ TEST_F(PageServerTest, RefusesNamesThatOthersGaveThisMachine) {
         << host;
 }
 
+TEST(OwnHost, HasNoPortWhereBrowsersLeaveItOut) {
+  for (const char* const name : {"127.0.0.1", "localhost"}) {
+    EXPECT_TRUE(is_own_host(name, 80));
+    EXPECT_TRUE(is_own_host(std::string(name) + ":80", 80));
+    EXPECT_FALSE(is_own_host(name, 8080));
+    EXPECT_FALSE(is_own_host(std::string(name) + ":8080", 80));
+  }
+  EXPECT_FALSE(is_own_host("evil.example", 80));
+}
+
 TEST_F(PageServerTest, TakesNothingAndAnswersRubbishWithARefusal) {
   const std::string host = "Host: 127.0.0.1:" + std::to_string(server_.port()) + "\r\n";
   EXPECT_EQ(status_of(ask(server_.port(), "POST / HTTP/1.1\r\n" + host + "Connection: close\r\n\r\n")),

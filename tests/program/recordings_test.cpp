@@ -190,6 +190,18 @@ TEST(CommandLine, ViewShowsARecordingThatIsStillWritten) {
   EXPECT_EQ(shell(view + ".", folder).exit_code, 2);
 }
 
+TEST(CommandLine, ViewGivesANameToARecordingWhoseNameAnAddressCannotHold) {
+  const fs::path folder = folder_with_demo();
+  std::ofstream(folder / "gr\xe9.mcap") << "read by the page";
+  std::ofstream(folder / "gr\xc3\xa9.mcap") << "read by the page";
+  const std::string view = "timeout -s INT 2 lumbrical view --no-browser ";
+  const Outcome shown = shell(view + "gr\xe9.mcap gr\xc3\xa9.mcap", folder);
+  if (shown.error.empty()) {  // the page is built
+    EXPECT_NE(shown.output.find("#recording=a/recording.mcap&recording=b/gr%C3%A9.mcap"), std::string::npos)
+        << shown.output;
+  }
+}
+
 TEST(CommandLine, NothingIsWrittenOverWhatIsThere) {
   const fs::path folder = folder_with_demo();
   ASSERT_EQ(shell("lumbrical run demo.json --ticks 100 --record a.mcap", folder).exit_code, 0);

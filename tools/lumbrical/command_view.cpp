@@ -7,6 +7,7 @@
 #include "commands.h"
 #include "output.h"
 #include "page_server.h"
+#include "result_lines.h"
 #include "switches.h"
 
 namespace lumbrical::tool {
@@ -17,6 +18,12 @@ struct ViewOptions {
   std::uint32_t port = 0;
   bool no_browser = false;
 };
+
+/// As the page calls it, whose addresses hold UTF-8 only.
+std::string name_in_link(const std::filesystem::path& file) {
+  const std::string name = file.filename().string();
+  return told_entry(name) == name ? name : "recording.mcap";
+}
 
 int view(const ViewOptions& options) {
   PageContent content;
@@ -34,7 +41,7 @@ int view(const ViewOptions& options) {
                                                                                  : ": is no file"));
     }
     // What cannot be read is told by the page, which says what and where.
-    const std::string place = link.empty() ? "a/" : "b/", name = file.filename().string();
+    const std::string place = link.empty() ? "a/" : "b/", name = name_in_link(file);
     content.files["/" + place + name] = std::filesystem::absolute(file).string();
     link += (link.empty() ? "#recording=" : "&recording=") + place + percent_encoded(name);
   }

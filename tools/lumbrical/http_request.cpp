@@ -93,7 +93,11 @@ std::optional<ByteRange> parse_range(std::string_view field, std::uint64_t size)
 
 bool is_own_host(std::string_view host, std::uint16_t port) {
   const std::string after = ":" + std::to_string(port);
-  return host == "127.0.0.1" + after || host == "localhost" + after;
+  if (host.ends_with(after))
+    host.remove_suffix(after.size());
+  else if (port != 80)
+    return false;  // the one that browsers leave out
+  return host == "127.0.0.1" || host == "localhost";
 }
 
 }  // namespace lumbrical::tool

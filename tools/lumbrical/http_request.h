@@ -25,8 +25,8 @@ struct ByteRange {
 /// The range a field "bytes=..." asks for of so many bytes; none where there is no such range.
 std::optional<ByteRange> parse_range(std::string_view field, std::uint64_t size);
 
-/// Whether the Host field names this machine by its loopback address or name: any other was led here by a
-/// name of somebody else's (DNS rebinding).
+/// Whether the Host field names this machine by its loopback address or name, and this port, which browsers
+/// leave out where it is 80: any other was led here by a name of somebody else's (DNS rebinding).
 bool is_own_host(std::string_view host, std::uint16_t port);
 
 }  // namespace lumbrical::tool

@@ -43,11 +43,13 @@ Status LiveView::start(const std::vector<Model>& models) {
 }
 
 void LiveView::put(const TickRecord& record) noexcept {
+  sent_[record.hand].take(record);
   std::uint64_t& next = next_[record.hand];
   if (record.output.tick < next || !mutex_.try_lock()) return;
   next = record.output.tick + every_;
   Newest& newest = newest_[record.hand];
   newest.record = record;
+  sent_[record.hand].put_into(newest.record);
   ++newest.count;
   mutex_.unlock();
 }

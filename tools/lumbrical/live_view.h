@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "lumbrical/recording.h"
+#include "newest_sent.h"
 #include "page_server.h"
 
 namespace lumbrical::tool {
@@ -18,8 +19,8 @@ class LiveView {
   /// hands.
   Status start(const std::vector<Model>& models);
 
-  /// For the ticking thread: copies one tick in rate / 60 of each hand, and never waits. A tick that meets a
-  /// reader is passed over.
+  /// For the ticking thread, every tick: copies one in rate / 60 of each hand, with what a device was sent
+  /// until then, and never waits. A tick that meets a reader is passed over.
   void put(const TickRecord& record) noexcept;
 
  private:
@@ -33,6 +34,7 @@ class LiveView {
   std::vector<std::uint8_t> session_;
   std::uint64_t every_ = 1;                       // ticks
   std::array<std::uint64_t, kMostHands> next_{};  // tick, of each hand; the ticking thread's own
+  std::array<NewestSent, kMostHands> sent_;       // likewise
   std::mutex mutex_;
   std::array<Newest, kMostHands> newest_;  // under the mutex
   PageServer server_;                      // last: its threads use what is above
