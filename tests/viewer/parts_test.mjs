@@ -28,8 +28,11 @@ async function load(...modules) {
   return import(`data:text/javascript,${encodeURIComponent(outputFiles[0].text)}`);
 }
 
-const { bytesOfFile, bytesOfUrl, compare, loadEngine, makePressure, openLive, openRecording, segmentRows, Vector3 } =
-  await load("./bytes", "./details", "./difference", "./engine", "./live", "./pressure", "./recording", "three");
+const {
+  Builder, bytesOfFile, bytesOfUrl, compare, kDeviceState, loadEngine, makePressure, makeReplay, messagesOf, openLive, openRecording, readFrame, readWindow, readWorld,
+  scan, segmentRows, Sent, Tick, tickRows, Vector3,
+} = await load("./bytes", "./chunk", "./details", "./difference", "./engine", "./frame", "./live", "./pressure", "./recording", "./replay", "./series",
+  "../generated/lumbrical/fb/sent", "../generated/lumbrical/fb/tick", "flatbuffers", "three");
 
 const run = (given, name, ...args) => execFileSync(program, ["run", given, "--record", file(name), ...args]);
 const recording = (name) => openRecording(bytesOfFile(new Blob([readFileSync(file(name))]), name));
@@ -119,22 +122,57 @@ test("A server that tells no length sends no more than a page holds; one that do
   assert.ok(await tooMuch(t, { "Content-Length": "300000000" }) < 40e6);
 });
 
-test("Where memory ends the engine says so, whatever it was asked for, and goes on", async () => {
-  const wasm = readFileSync(join(packages, "../wasm/viewer/engine/viewer_engine.wasm"));
-  const { session, state, message } = await recording("one.mcap");
-  const engine = await loadEngine(wasm);
+/** As a page opens it. */
+async function engineOf({ session, state }) {
+  const engine = await loadEngine(readFileSync(join(packages, "../wasm/viewer/engine/viewer_engine.wasm")));
   engine.open(session, state);
+  return engine;
+}
+
+test("Where memory ends the engine says so, whatever it was asked for, and goes on", async () => {
+  const { message, ...one } = await recording("one.mcap");
+  const engine = await engineOf(one);
   engine.begin(0, true);
   for (const length of [2 ** 31 - 1, 2 ** 32 - 1]) assert.throws(() => engine.pass({ length }), { message: "not enough memory in this page" });
   assert.ok(engine.pass(await message(0)));
 });
 
+test("Ticks behind the four billionth are known by their numbers", async () => {
+  const one = await recording("one.mcap");
+  const engine = await engineOf(one);
+  engine.begin(2 ** 32, false);
+  const first = await one.message(0);
+  assert.throws(() => engine.pass(first), /tick 0 came where tick 4294967296 was due/);
+});
+
+test("Behind a gap, or a damaged chunk, forces that the file leaves out are not known until they have faded, and no file is blamed", async () => {
+  run(scene, "left out.mcap", "--ticks", "3100", "--record-forces", "none");
+  const whole = await recording("left out.mcap");
+  const missing = { gap: async () => undefined, damaged: async () => { throw new Error("damaged"); } };
+  for (const [what, message] of Object.entries(missing)) {
+    const show = makeReplay(await engineOf(whole), { ...whole, message: (tick) => (tick >= 2990 && tick < 3000 ? message() : whole.message(tick)) });
+    const rowsAt = async (tick) => {
+      const { bytes, view, settled } = await show(tick);
+      const frame = readFrame({ tick, message: bytes, view, behindGap: !settled });
+      return new Map(tickRows(frame, 1, readWorld(whole.session), { noContacts: "", metadata: whole.metadata }, false));
+    };
+    for (const [tick, isKnown] of [[2989, true], [3000, false], [3001, false], [3060, true], [3000, false]]) {
+      const rows = await rowsAt(tick);
+      const place = `${what}, tick ${tick}`;
+      assert.equal(rows.get("replayed here"), isKnown ? "the same bits" : "not known: behind a gap", place);
+      assert.match(rows.get("force of the hand"), isKnown ? /^[1-9]/ : /^not known$/, place);
+      assert.match(rows.get("forces"), isKnown ? /computed here/ : /not known: behind a gap/, place);
+      assert.match(rows.get("contacts"), /^[1-9]\d* triangles/, place);
+    }
+  }
+});
+
 /** A variant of the scene, run. */
-function varied(name, change, ...args) {
+function varied(name, change, ticks = 2500, ...args) {
   const given = JSON.parse(readFileSync(scene, "utf8"));
   change(given);
   writeFileSync(file(`${name}.json`), JSON.stringify(given));
-  run(file(`${name}.json`), `${name}.mcap`, "--ticks", "2500", ...args);
+  run(file(`${name}.json`), `${name}.mcap`, "--ticks", `${ticks}`, ...args);
 }
 
 /** As lumbrical diff says it. */
@@ -149,8 +187,8 @@ function parting(...names) {
 test("Recordings part at the tick, stage and field that lumbrical diff names", async () => {
   const softer = ({ settings }) => { settings.stiffness = 1.9e7; };
   varied("softer", softer);
-  varied("softer, hashes only", softer, "--record-forces", "none");
-  varied("hashes only", () => {}, "--record-forces", "none");
+  varied("softer, hashes only", softer, 2500, "--record-forces", "none");
+  varied("hashes only", () => {}, 2500, "--record-forces", "none");
   varied("slower", ({ motion }) => { motion.grasp.seconds *= 1.5; });
   varied("coarser", ({ settings }) => { settings.precision = 1e-3; });
   for (const other of ["softer", "softer, hashes only", "hashes only", "slower", "coarser"]) {

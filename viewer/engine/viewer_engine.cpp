@@ -324,11 +324,12 @@ bool open_recording(std::uint32_t session_size, std::uint32_t state_size, std::u
   return true;
 }
 
-/// The next message is that of this tick: with the state the file begins with where it is the file's first.
-PAGE_MAY_CALL(begin) void begin_at(std::uint32_t tick, bool first) {
+/// The next message is that of this tick, a whole number below 2^53: with the state the file begins with
+/// where it is the file's first.
+PAGE_MAY_CALL(begin) void begin_at(double tick, bool first) {
   state = first ? initial_state : make_state(model);
   is_known = first;
-  state.tick = tick;
+  state.tick = static_cast<std::uint64_t>(tick);
 }
 
 /// Computes a tick and answers nothing.

@@ -29,37 +29,50 @@ export function flagsText(flags: number): string {
 /** [m] How far the proxy's joints are from the tracked ones. */
 const lag = ({ joints, tracked }: Frame) => largest(tracked.map((joint, j) => joint?.distanceTo(joints[j]!) ?? 0));
 
-/** Why contacts with what stands still (0) or with World.apart[object - 1] are not known; empty: they are. */
-const whyUnknown = (object: number, { frame, noContacts }: Told) => (object > 0 && frame.knowsObjects ? "" : noContacts);
+const kBehindGap = "not known: behind a gap";
 
-function countText({ contacts, knowsObjects }: Frame, noContacts: string): string {
-  if (!noContacts) return `${contacts.length} triangles; `;
+/** Why contacts are not known, but those that a frame knows; empty: they are. Where a proxy is depends on the ticks before. */
+const whyNone = ({ behindGap, tracked }: Frame, noContacts: string) => noContacts || (behindGap && tracked.length > 0 ? kBehindGap : "");
+
+/** Why contacts with what stands still (0) or with World.apart[object - 1] are not known; empty: they are. */
+const whyUnknown = (object: number, { frame, noContacts }: Told) => (object > 0 && frame.knowsObjects ? "" : whyNone(frame, noContacts));
+
+function countText({ contacts, knowsObjects }: Frame, why: string): string {
+  if (!why) return `${contacts.length} triangles; `;
   return knowsObjects ? `${contacts.length} triangles of objects that move or rub; ` : "";
 }
 
-export function tickRows(frame: Frame, milliseconds: number, world: World, { noContacts, metadata, arithmetic }: Opened, live: boolean): Rows {
+function replayedText({ differs, behindGap }: Frame, { metadata, arithmetic }: Opened): string {
+  if (behindGap) return kBehindGap;
+  return differs ? `parts from the file at stage "${differs}"${arithmeticText(metadata.get("arithmetic"), "here", arithmetic)}` : "the same bits";
+}
+
+function leftOutText({ behindGap }: Frame, noContacts: string): string {
+  if (noContacts) return "not in the file";
+  return behindGap ? `not in the file, and ${kBehindGap}` : "not in the file; computed here";
+}
+
+export function tickRows(frame: Frame, milliseconds: number, world: World, opened: Opened, live: boolean): Rows {
+  const why = whyNone(frame, opened.noContacts);
   const total = frame.forces.reduce((sum, force) => sum.add(force), new Vector3());
   const rows: Rows = [
     ["tick", `${frame.tick} at ${(frame.tick / world.rate).toFixed(3)} s`],
     ["force of the hand", newtons(total)],
     ["off by at most", `${brief(frame.forceError)} N by integrals; about ${brief(frame.errorEstimate)} N by samples`],
-    ["contacts", `${countText(frame, noContacts)}the tick counted ${frame.contactCount} patches`],
+    ["contacts", `${countText(frame, why)}the tick counted ${frame.contactCount} patches`],
     ["flags", flagsText(frame.flags)],
-    ["tick took", `${brief(frame.duration)} us; here ${brief(milliseconds)} ms${noContacts ? "" : " with contacts"}`],
+    ["tick took", `${brief(frame.duration)} us; here ${brief(milliseconds)} ms${why ? "" : " with contacts"}`],
   ];
   const known = frame.joints.filter((joint) => joint).length;
   if (known < frame.joints.length) rows.push(["joints tracked", `${known || "none"} of ${frame.joints.length}; what hangs on the others is not drawn`]);
-  if (frame.tracked.length > 0 && !noContacts) rows.push(["proxy", `up to ${brief(1e3 * lag(frame))} mm from the tracked joints, which are the lines`]);
+  if (frame.tracked.length > 0 && !why) rows.push(["proxy", `up to ${brief(1e3 * lag(frame))} mm from the tracked joints, which are the lines`]);
   if (frame.sent.length > 0) {
     const sent = frame.sent[frame.sent.length - 1];
     rows.push(["device", `${kDeviceStates[sent.state]}: ${sent.values.map(brief).join(", ")}`]);
   }
-  if (frame.leftOut) rows.push(["forces", noContacts ? "not in the file" : "not in the file; computed here"]);
-  if (noContacts) rows.push(["contacts", noContacts]);
-  else if (frame.differs !== undefined && !live) {
-    const parts = `parts from the file at stage "${frame.differs}"${arithmeticText(metadata.get("arithmetic"), "here", arithmetic)}`;
-    rows.push(["replayed here", frame.differs ? parts : "the same bits"]);
-  }
+  if (frame.leftOut) rows.push(["forces", leftOutText(frame, opened.noContacts)]);
+  if (why) rows.push(["contacts", why]);
+  if (!opened.noContacts && frame.differs !== undefined && !live) rows.push(["replayed here", replayedText(frame, opened)]);
   return rows;
 }
 
@@ -67,9 +80,9 @@ export function segmentRows(segment: number, { frame, world, noContacts }: Told)
   const rows: Rows = [
     ["force", newtons(frame.forces[segment])],
     [`torque about ${jointOf(segment)} joint`, torque(frame.jointTorques[segment])],
-    ["of it, opening", `${brief(1e3 * frame.flexionTorques[segment])} N mm`],
+    ["of it, opening", ifKnown(frame.jointTorques[segment], `${brief(1e3 * frame.flexionTorques[segment])} N mm`)],
   ];
-  if (noContacts) return rows;
+  if (whyNone(frame, noContacts)) return rows;
   const own = frame.contacts.filter((contact) => contact.segment === segment);
   const sum = (value: (contact: (typeof own)[number]) => number) => own.reduce((all, contact) => all + value(contact), 0);
   return [

@@ -10,6 +10,8 @@ export interface Engine {
   pass(message: Uint8Array): boolean;
   /** Computes a tick and returns a TickView. */
   show(message: Uint8Array): Uint8Array;
+  /** Whether the state after the last tick is the recorded one. */
+  isRecorded(): boolean;
   /** Which results ticks have here, as a recording's metadata "arithmetic" tells it. */
   arithmetic(): string;
   /** A session of the lab: its message. A motion in its options moves the hand from then on. */
@@ -105,6 +107,7 @@ export async function loadEngine(wasm: BufferSource): Promise<Engine> {
   const must = (good: number) => {
     if (!good) throw new Refusal(answerText());
   };
+  const isRecorded = () => exports.is_recorded_state() !== 0;
   return {
     open(session, state, hand = 0) {
       put(session, state);
@@ -115,8 +118,9 @@ export async function loadEngine(wasm: BufferSource): Promise<Engine> {
     pass(message) {
       put(message);
       must(exports.pass(message.length));
-      return exports.is_recorded_state() !== 0;
+      return isRecorded();
     },
+    isRecorded,
     show(message) {
       put(message);
       must(exports.show(message.length));

@@ -60,6 +60,7 @@ export interface Frame {
   errorEstimate: number;
   sent: { state: number; values: number[] }[];
   leftOut: boolean;  // forces are not the file's but computed here
+  behindGap: boolean;  // what the replay has found of forces, and of a proxy, is a guess
   joints: Joint[];  // felt with
   tracked: Joint[];  // as the device told them, where a proxy is felt with; else none
   hulls: Hull[];  // of segments whose joints are tracked
@@ -179,8 +180,10 @@ export function readFrame(shown: Shown): Frame {
   const tick = Tick.getRootAsTick(new ByteBuffer(shown.message));
   const view = shown.view && TickView.getRootAsTickView(new ByteBuffer(shown.view));
   const leftOut = tick.forcesLeftOut();
-  const told = leftOut && view ? view : tick;
+  const behindGap = shown.behindGap === true && !!view?.differs();  // the same bits are right wherever they come from
+  const told = leftOut && view && !behindGap ? view : tick;
   const zero = leftOut && told.segmentsLength() === 0 ? NaN : 0;
+  const isPlaced = !shown.handOnly && !(behindGap && view!.trackedLength() > 0);  // a proxy that is a guess touches nothing
   const each = () => Array.from({ length: kSegmentCount }, () => new Vector3(zero, zero, zero));
   const frame: Frame = {
     tick: shown.tick,
@@ -197,11 +200,12 @@ export function readFrame(shown: Shown): Frame {
       return { state: sent.state(), values: Array.from(sent.valuesArray() ?? []) };
     }),
     leftOut,
+    behindGap,
     joints: view ? known(vectors(view.jointsLength(), (i) => view.joints(i)), view.valid()) : [],
     tracked: view ? known(vectors(view.trackedLength(), (i) => view.tracked(i)), view.valid()) : [],
     hulls: view ? readHulls(view) : [],
-    contacts: view && !shown.handOnly ? readContacts(view) : [],
-    knowsObjects: view !== undefined && !shown.handOnly && view.knowsObjects(),
+    contacts: view && isPlaced ? readContacts(view) : [],
+    knowsObjects: view !== undefined && isPlaced && view.knowsObjects(),
     baseJoints: view ? vectors(view.baseJointsLength(), (i) => view.baseJoints(i)) : [],
     objects: Array.from({ length: countOf(tick.objectsLength(), ObjectOutput.sizeOf(), tick) }, (_, i) => {
       const object = tick.objects(i)!;

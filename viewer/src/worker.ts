@@ -30,6 +30,7 @@ export interface Shown {
   message: Uint8Array;
   view?: Uint8Array;  // a TickView
   handOnly?: boolean;  // of the view no more than the hand is so
+  behindGap?: boolean;  // the state before it is a guess
   milliseconds: number;
   microseconds?: number;  // that the tick alone took here, where the message can't know
 }
@@ -137,7 +138,7 @@ async function show({ recording, show }: Place, tick: number): Promise<Shown | u
     return message && { tick, message: message.slice(), milliseconds: performance.now() - start };
   }
   const shown = await show(tick);
-  return shown && { tick, message: shown.bytes.slice(), view: shown.view, milliseconds: performance.now() - start };
+  return shown && { tick, message: shown.bytes.slice(), view: shown.view, behindGap: !shown.settled, milliseconds: performance.now() - start };
 }
 
 /** Of every hand. */
