@@ -167,6 +167,35 @@ test("Behind a gap, or a damaged chunk, forces that the file leaves out are not 
   }
 });
 
+/** A chunk record that says it has so many bytes of records in so few. */
+function chunkRecord(compression, size, compressed) {
+  const bytes = new Uint8Array(9 + 32 + compression.length + 8 + compressed);
+  const view = new DataView(bytes.buffer);
+  view.setUint8(0, 6);
+  view.setBigUint64(9 + 16, BigInt(size), true);
+  view.setUint32(9 + 28, compression.length, true);
+  bytes.set(new TextEncoder().encode(compression), 9 + 32);
+  view.setBigUint64(9 + 32 + compression.length, BigInt(compressed), true);
+  return bytes;
+}
+
+test("A chunk that would fill the page's memory is refused before it is decompressed", () => {
+  for (const compression of ["", "lz4", "zstd"]) {
+    assert.throws(() => [...messagesOf(chunkRecord(compression, 2 ** 24 + 1, 2 ** 17))], /declares 16777217 bytes of records; at most 16 MiB/);
+    assert.throws(() => [...messagesOf(chunkRecord(compression, 256 * 100 + 1025, 100))], /declares 26625 bytes of records in 100, more than/);
+  }
+});
+
+test("An index that points to a chunk twice is refused", async () => {
+  const bytes = readFileSync(file("one.mcap"));
+  const kChunkIndex = 8, kLength = 16;  // bytes of where a chunk is
+  const places = [];
+  for (let at = 8; at < bytes.length - 8; at += 9 + Number(bytes.readBigUInt64LE(at + 1))) if (bytes[at] === kChunkIndex) places.push(at + 9 + 16);
+  bytes.copy(bytes, places[3], places[1], places[1] + kLength);
+  bytes.writeUInt32LE(0, bytes.length - 12);  // of the summary no checksum
+  await assert.rejects(openRecording(bytesOfFile(new Blob([bytes]), "twice.mcap")), /twice\.mcap: byte \d+: the index points to a chunk twice/);
+});
+
 /** A variant of the scene, run. */
 function varied(name, change, ticks = 2500, ...args) {
   const given = JSON.parse(readFileSync(scene, "utf8"));

@@ -15,16 +15,20 @@ const kMessage = 0x05;
 const kHeader = 9;  // bytes of a record's opcode and length
 const kBeforeData = 22;  // bytes of a message's channel, sequence and times
 
-const kLargest = 1 << 28;
+// As the program reads it (mcap_format.h): honest chunks are smaller, hostile ones would fill the page's memory.
+const kLargest = 1 << 24;
+const kLargestRatio = 256, kLargestGift = 1024;
 
 const viewOf = (bytes: Uint8Array) => new DataView(bytes.buffer, bytes.byteOffset, bytes.byteLength);
 
 function decompress(compression: string, bytes: Uint8Array, size: number): Uint8Array {
-  if (compression === "") return bytes;
-  if (size > kLargest) throw new Error(`it would have ${size} bytes`);
+  if (size > kLargest) throw new Error(`it declares ${size} bytes of records; at most 16 MiB can be read`);
+  if (size > kLargestRatio * bytes.length + kLargestGift)
+    throw new Error(`it declares ${size} bytes of records in ${bytes.length}, more than ticks can be compressed`);
+  if (compression === "" && size === bytes.length) return bytes;
   if (compression === "lz4") return decompressLz4(bytes, new Uint8Array(size));
   if (compression === "zstd") return decompressZstd(bytes, new Uint8Array(size));
-  throw new Error(`its compression "${compression}" is unknown`);
+  throw new Error(compression === "" ? "it is torn" : `its compression "${compression}" is unknown`);
 }
 
 /** What a chunk record holds, decompressed and checked. */

@@ -31,6 +31,8 @@ export type Chunk = ReadonlyMap<number, Uint8Array>;
 const kStates = ["state", "state of the second hand"];
 const kMagic = [0x89, 0x4d, 0x43, 0x41, 0x50, 0x30, 0x0d, 0x0a];
 const kChunksKept = 24;
+const kBytesKept = 1 << 25;  // of their contents; what a recorder writes has a megabyte each
+const kLargestRecord = 17n << 20n;  // of a chunk: what cannot be compressed grows a little
 
 async function openMcap(bytes: Bytes) {
   const size = await bytes.size();
@@ -46,6 +48,15 @@ async function openMcap(bytes: Bytes) {
   } catch (error) {
     throw new Error(`${bytes.name}: the index near byte ${size} is damaged (${(error as Error).message}). ` +
       `What is whole comes back by\n  lumbrical recover ${bytes.name} --output whole.mcap`);
+  }
+}
+
+/** A small file could otherwise be read without end. */
+function refuseOverlaps(chunks: { chunkStartOffset: bigint; chunkLength: bigint }[], name: string) {
+  let end = 0n;
+  for (const { chunkStartOffset: start, chunkLength } of [...chunks].sort((a, b) => Number(a.chunkStartOffset - b.chunkStartOffset))) {
+    if (start < end) throw new Error(`${name}: byte ${start}: the index points to a chunk twice. What is whole comes back by\n  lumbrical recover ${name} --output whole.mcap`);
+    end = start + chunkLength;
   }
 }
 
@@ -78,21 +89,28 @@ export async function openRecording(bytes: Bytes, hand = 0): Promise<Recording> 
   if (!(rate >= 1 && rate <= 100000)) throw new Error(`${bytes.name}: the session's rate is out of range`);
   const tickAt = (time: bigint) => Math.round((Number(time) * rate) / 1e9);
   const chunks = reader.chunkIndexes.filter((chunk) => chunk.messageEndTime > 0n || chunk.messageIndexLength > 0n);
+  refuseOverlaps(chunks, bytes.name);
   const starts = chunks.map((chunk) => tickAt(chunk.messageStartTime));
 
   const kept = new Map<number, Promise<Chunk>>();
+  let largest = 1;  // bytes of a chunk so far
+  const room = () => Math.min(kChunksKept, Math.max(2, Math.floor(kBytesKept / largest)));
   const load = async (index: number): Promise<Chunk> => {
     const { chunkStartOffset, chunkLength } = chunks[index];
     const chunk = new Map<number, Uint8Array>();
     const from = starts[index];
+    const damaged = (why: string) => new Error(`${bytes.name}: the chunk at byte ${chunkStartOffset} is damaged (${why}). ` +
+      `What is whole comes back by\n  lumbrical recover ${bytes.name} --output whole.mcap`);
+    if (chunkLength > kLargestRecord) throw damaged(`it has ${chunkLength} bytes, more than any recording needs`);
     const record = await bytes.read(chunkStartOffset, chunkLength);
     try {
-      for (const message of messagesOf(record))
+      for (const message of messagesOf(record)) {
+        largest = Math.max(largest, message.bytes.buffer.byteLength);
         // A sequence number is a tick's lower 32 bits.
         if (message.channel === channel) chunk.set(from + ((message.sequence - from) >>> 0), message.bytes);
+      }
     } catch (error) {
-      throw new Error(`${bytes.name}: the chunk at byte ${chunkStartOffset} is damaged (${(error as Error).message}). ` +
-        `What is whole comes back by\n  lumbrical recover ${bytes.name} --output whole.mcap`);
+      throw damaged((error as Error).message);
     }
     return chunk;
   };
@@ -101,7 +119,7 @@ export async function openRecording(bytes: Bytes, hand = 0): Promise<Recording> 
     kept.delete(index);
     kept.set(index, found);  // the youngest is last
     found.catch(() => kept.delete(index));  // a server may be back the next time
-    if (kept.size > kChunksKept) kept.delete(kept.keys().next().value!);
+    while (kept.size > room()) kept.delete(kept.keys().next().value!);
     return found;
   };
   const chunkOf = (tick: number) => {
