@@ -179,6 +179,13 @@ function chunkRecord(compression, size, compressed) {
   return bytes;
 }
 
+test("The ground is where the session has it", async () => {
+  const height = -0.3;
+  varied("ground", (given) => { given.ground = { height }; }, 2);
+  const { normal, offset } = readWorld((await recording("ground.mcap")).session).ground;
+  assert.deepEqual([...normal.toArray(), offset], [0, 0, 1, height]);
+});
+
 test("A chunk that would fill the page's memory is refused before it is decompressed", () => {
   for (const compression of ["", "lz4", "zstd"]) {
     assert.throws(() => [...messagesOf(chunkRecord(compression, 2 ** 24 + 1, 2 ** 17))], /declares 16777217 bytes of records; at most 16 MiB/);

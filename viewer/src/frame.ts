@@ -84,6 +84,7 @@ export interface World {
   firstTriangle: number[];  // of every object
   positions: Float64Array;  // [m] nine numbers per triangle
   apart: Apart[];
+  ground?: { normal: Vector3; offset: number };  // [m] along the normal from the origin
   stiffness: number;
   rate: number;
 }
@@ -129,7 +130,9 @@ export function readWorld(bytes: Uint8Array): World {
     pose: toPose(object.pose()!),
   }));
   const settings = session.settings()!;
-  return { names: still.map(name), firstTriangle, positions, apart, stiffness: settings.stiffness(), rate: settings.rate() };
+  const plane = session.ground();
+  const ground = plane ? { normal: toVector(plane.normal()).normalize(), offset: plane.offset() } : undefined;
+  return { names: still.map(name), firstTriangle, positions, apart, ground, stiffness: settings.stiffness(), rate: settings.rate() };
 }
 
 const same = (a: Float64Array, b: Float64Array) => a.length === b.length && a.every((value, i) => value === b[i]);

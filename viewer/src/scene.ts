@@ -52,11 +52,17 @@ function meshOf(metres: Float64Array, origin: Vector3): Mesh {
   return new Mesh(geometry, new MeshStandardMaterial({ color: "#9aa3ad", roughness: 0.85, flatShading: true, side: 2 }));
 }
 
+function meanOf(positions: Float64Array): Vector3 {
+  const sum = new Vector3();
+  for (let i = 0; i < positions.length; i += 3) sum.x += positions[i], sum.y += positions[i + 1], sum.z += positions[i + 2];
+  return sum.multiplyScalar(3 / Math.max(3, positions.length));
+}
+
 function middleOf(world: World): Vector3 {
   const sum = new Vector3();
   let count = 0;
   for (let i = 0; i < world.positions.length; i += 3, ++count) sum.x += world.positions[i], sum.y += world.positions[i + 1], sum.z += world.positions[i + 2];
-  if (count === 0) world.apart.forEach(({ pose }) => (++count, sum.add(pose.position)));
+  if (count === 0) world.apart.forEach(({ pose, positions }) => (++count, sum.add(meanOf(positions).applyQuaternion(pose.orientation).add(pose.position))));
   return count > 0 ? sum.divideScalar(count) : sum;
 }
 
@@ -72,7 +78,6 @@ export function makeView(canvas: HTMLCanvasElement, redraw: () => void): View {
   camera.add(sun);
   sun.position.set(0.4, 0.8, 1);
   const grid = new GridHelper(0.6, 12, "#888888", "#888888");
-  grid.rotation.x = Math.PI / 2;
   grid.material.transparent = true;
   grid.material.opacity = 0.25;
   scene.add(camera, grid);
@@ -106,10 +111,18 @@ export function makeView(canvas: HTMLCanvasElement, redraw: () => void): View {
   /** Objects stand where one place has them: there is one mesh of each. */
   const standAs = (place: number) => {
     apart.forEach((mesh, i) => {
-      mesh.position.copy(poses[place][i].position).sub(origin);
+      mesh.position.copy(mesh.userData.centre).applyQuaternion(poses[place][i].orientation).add(poses[place][i].position).sub(origin);
       mesh.quaternion.copy(poses[place][i].orientation);
       mesh.updateMatrixWorld();
     });
+  };
+
+  /** In the ground, or just below the objects. */
+  const layGrid = (ground: World["ground"]) => {
+    const box = new Box3().setFromObject(things);
+    const { normal, offset } = ground ?? { normal: camera.up, offset: origin.z + (box.isEmpty() ? 0 : box.min.z - 1e-3) };
+    grid.quaternion.setFromUnitVectors(new Vector3(0, 1, 0), normal);
+    grid.position.copy(normal).multiplyScalar(offset - normal.dot(origin));
   };
 
   /** Shows what belongs to a place, or to all. */
@@ -131,8 +144,9 @@ export function makeView(canvas: HTMLCanvasElement, redraw: () => void): View {
       origin.copy(middleOf(next));
       still = next.positions.length > 0 ? meshOf(next.positions, origin) : undefined;
       apart = next.apart.map((object, i) => {
-        const mesh = meshOf(object.positions, new Vector3());
-        mesh.userData = { object: i };
+        const centre = meanOf(object.positions);
+        const mesh = meshOf(object.positions, centre);
+        mesh.userData = { object: i, centre };
         return mesh;
       });
       poses = kSkins.map(() => next.apart.map(({ pose }) => pose));
@@ -143,8 +157,7 @@ export function makeView(canvas: HTMLCanvasElement, redraw: () => void): View {
       things.clear();
       for (const mesh of still ? [still, ...apart] : apart) things.add(mesh);
       standAs(0);
-      const box = new Box3().setFromObject(things);
-      grid.position.set(0, 0, box.isEmpty() ? 0 : box.min.z - 1e-3);
+      layGrid(next.ground);
     },
     hasOtherObjects: (place) => other[place],
     setFrame(place, frame, scales, top) {
@@ -152,7 +165,10 @@ export function makeView(canvas: HTMLCanvasElement, redraw: () => void): View {
       if (!frame) return;
       poses[place] = poses[place].map((pose, i) => frame.objects[i]?.pose ?? pose);
       const joint = frame.joints.find((one) => one);
-      if (things.children.length === 0 && place === 0 && joint && origin.lengthSq() === 0) origin.copy(joint);
+      if (things.children.length === 0 && place === 0 && joint && origin.lengthSq() === 0) {
+        origin.copy(joint);
+        layGrid(worlds[0].ground);
+      }
       hands[place].update(frame, origin, scales);
       if (!other[place]) pressures[place].update(frame, worlds[place], origin, top);
     },
