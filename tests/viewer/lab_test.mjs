@@ -111,6 +111,12 @@ test("Motion files of other formats are read by the engine; one that it can't re
   await replays("felt stroke.mcap");
   await drop("torn.json", capture(1).slice(0, 4000));
   await page.waitForFunction(() => /torn\.json:1:\d+: not valid JSON/.test(document.querySelector("#message").innerText), null, kPatience);
+  const lists = () => page.locator("#lab select").evaluateAll((all) => all.map((list) => list.selectedOptions[0].text).join(", "));
+  assert.match(await lists(), /^mug, .*, stroke\.csv, /, "what is felt is what the lists say");
+  await drop("torn.obj", "v 0 0\n");
+  await page.waitForFunction(() => /torn\.obj:1/.test(document.querySelector("#message").innerText), null, kPatience);
+  assert.match(await lists(), /^mug, /);
+  assert.equal(await page.locator("#lab option", { hasText: "torn" }).count(), 0);
   await choose("Hand moved by", "pointer and sliders");
   await page.waitForFunction(() => document.querySelector("#message").hidden, null, kPatience);
   await felt(5);

@@ -89,9 +89,10 @@ function filePicker(parent: HTMLElement, text: string, endings: string[], pick: 
 
 const read = async (file: File): Promise<NamedFile> => ({ name: file.name, bytes: new Uint8Array(await file.arrayBuffer()) });
 
-/** The last entry of a list is a file's. */
-function offer(select: HTMLSelectElement, name: string, count: number) {
-  select.options[count] = new Option(name, "", true, true);
+/** The last entry of a list is a file's, where there is one. */
+function offer(select: HTMLSelectElement, name: string | undefined, count: number) {
+  if (name === undefined) select.options.length = count;
+  else select.options[count] = new Option(name, "", true, true);
 }
 
 export function makeLab(parent: HTMLElement, host: LabHost): Lab {
@@ -118,6 +119,7 @@ export function makeLab(parent: HTMLElement, host: LabHost): Lab {
   const position = new Vector3();
   let mesh: NamedFile | undefined;
   let file: NamedFile | undefined;  // a motion
+  let refused = false;  // the newest motion: it may have been for want of its unit
   let tracking: Tracking | undefined;
   let follows = false;  // the session that is asked for is one of what the headset sees
   let begun = 0, asked = 0;  // sessions
@@ -129,14 +131,30 @@ export function makeLab(parent: HTMLElement, host: LabHost): Lab {
     if (!file || mover.selectedIndex === 0) return undefined;
     return { ...file, side: side.selectedIndex, unit: Object.values(kUnits)[unit.selectedIndex] };
   };
+  const showControls = (isMoved: boolean) => {
+    const show = (controls: HTMLElement[], shown: boolean) => controls.forEach((control) => (control.parentElement!.hidden = !shown));
+    show([unit, side], (isMoved || refused) && !follows);
+    show([all, ...fingers], !isMoved);
+    show([mover, ...turns], !follows);
+  };
+  const lists = [object, law, precision, mover, unit, side];
+  const settings = () => ({ mesh, file, chosen: lists.map((list) => list.selectedIndex), stiffness: stiffness.value });
+  let felt: ReturnType<typeof settings> | undefined;  // those of the session that runs
+  const putBack = (to: NonNullable<typeof felt>) => {
+    refused = file !== to.file;
+    ({ mesh, file } = to);
+    offer(object, mesh?.name, kObjects.length);
+    offer(mover, file?.name, 1);
+    lists.forEach((list, i) => (list.selectedIndex = to.chosen[i]));
+    stiffness.value = to.stiffness;
+    showControls(motion() !== undefined);
+  };
   const restart = async () => {
     const mine = ++asked;
     const moved = motion();
+    const wanted = settings();
     follows = moved !== undefined && tracking !== undefined;
-    const show = (controls: HTMLElement[], shown: boolean) => controls.forEach((control) => (control.parentElement!.hidden = !shown));
-    show([unit, side], moved !== undefined && !follows);
-    show([all, ...fingers], moved === undefined);
-    show([mover, ...turns], !follows);
+    showControls(moved !== undefined);
     const good = await host.begin({
       object: object.selectedIndex,
       mesh: mesh && object.selectedIndex === kObjects.length ? { ...mesh, metres: kMeshSize } : undefined,
@@ -147,17 +165,23 @@ export function makeLab(parent: HTMLElement, host: LabHost): Lab {
       rate: follows ? tracking!.rate : kRate,
     });
     begun = Math.max(begun, mine);
+    if (good) felt = wanted;
+    else if (felt && mine === asked) putBack(felt);
     if (!good && follows) tracking?.end();
   };
   for (const control of [object, law, precision, stiffness, mover, unit, side]) control.addEventListener("change", () => void restart());
   all.addEventListener("input", () => fingers.forEach((finger) => (finger.value = all.value)));
 
   const take = async (given: File) => {
-    if (isOf(given, kMeshes)) offer(object, given.name, kObjects.length);
-    else offer(mover, given.name, 1);
     const named = await read(given);
-    if (isOf(given, kMeshes)) mesh = named;
-    else file = named;
+    if (isOf(given, kMeshes)) {
+      mesh = named;
+      offer(object, named.name, kObjects.length);
+    } else {
+      file = named;
+      refused = false;
+      offer(mover, named.name, 1);
+    }
     await restart();
   };
   const follow = async () => {
