@@ -203,6 +203,55 @@ test("An index that points to a chunk twice is refused", async () => {
   await assert.rejects(openRecording(bytesOfFile(new Blob([bytes]), "twice.mcap")), /twice\.mcap: byte \d+: the index points to a chunk twice/);
 });
 
+/** A tick's message of which nothing but this is told. */
+function tickMessage(tick, { state, flags = 0 }) {
+  const builder = new Builder(128);
+  let sent = 0;
+  if (state !== undefined) {
+    Sent.startSent(builder);
+    Sent.addState(builder, state);
+    sent = Tick.createSentVector(builder, [Sent.endSent(builder)]);
+  }
+  Tick.startTick(builder);
+  Tick.addTick(builder, BigInt(tick));
+  Tick.addFlags(builder, flags);
+  if (sent) Tick.addSent(builder, sent);
+  builder.finish(Tick.endTick(builder));
+  return builder.asUint8Array();
+}
+
+/** What is read of a whole recording of `count` ticks, those that are missing told by undefined. */
+async function scanned(count, tell) {
+  const chunk = new Map();
+  for (let tick = 0; tick < count; ++tick) if (tell(tick)) chunk.set(tick, tickMessage(tick, tell(tick)));
+  const made = { name: "made", rate: 1e-3, first: 0, last: count - 1, chunkCount: 1, chunk: async () => chunk, message: async (tick) => chunk.get(tick) };
+  const found = { changes: [] };
+  await scan(made, undefined, {
+    isThere: () => true, tell: (columns, marks) => Object.assign(found, { columns, marks }), damaged: assert.fail, changed: (change) => found.changes.push(change),
+  });
+  return { ...found, window: async (first, last) => (await readWindow(made, undefined, first, last, found.changes)).values[kDeviceState] };
+}
+
+test("A device's state goes on until the next one is told, its faults and that it has gone are seen and marked", async () => {
+  const [disconnected, armed, active, fault] = [0, 2, 3, 4];
+  const told = { 0: armed, 5: active, 4001: fault, 4002: active, 6001: disconnected, 6002: active, 9000: armed };
+  const { columns, marks, window } = await scanned(12288, (tick) => (tick > 8990 && tick < 8995 ? undefined : { state: told[tick] }));
+  const states = columns.values[kDeviceState];
+  assert.deepEqual([1, 2, 1300, 1333, 1334, 2000, 2001].map((bucket) => states[bucket]), [armed, active, active, fault, active, disconnected, active]);
+  assert.deepEqual(marks.map(({ tick, kind, text }) => [tick, kind, text]),
+    [[4001, "fault", "device: fault"], [6001, "fault", "device: disconnected"], [8991, "gap", "4 ticks are missing"]]);
+  assert.deepEqual([...await window(5998, 6003)], [active, active, active, disconnected, active, active]);
+  assert.deepEqual([...await window(8989, 9001)], [active, active, ...new Array(9).fill(NaN), armed, armed]);
+});
+
+test("However many marks of one kind there are, others are marked too, and the last of them says that more follow", async () => {
+  const { marks } = await scanned(8000, (tick) => (tick >= 7990 ? undefined : { flags: (tick & 1) | (tick === 7980 ? 8 : 0) }));
+  const many = marks.filter(({ text }) => text.startsWith("input not finite"));
+  assert.equal(many.length, 3000);
+  assert.match(many.at(-1).text, /more of these follow/);
+  assert.deepEqual(marks.slice(-2).map(({ tick, text }) => [tick, text]), [[7980, "input extrapolated"], [7990, "10 ticks are missing"]]);
+});
+
 /** A variant of the scene, run. */
 function varied(name, change, ticks = 2500, ...args) {
   const given = JSON.parse(readFileSync(scene, "utf8"));

@@ -85,7 +85,13 @@ async function linesIn(name) {
 
 test("Plots go on over ticks whose forces the file leaves out, and not over ticks that are missing", async () => {
   const held = (stretches) => stretches.slice(2, 8);
-  const tenths = held(await linesIn("tenths.mcap")), damaged = held(await linesIn("damaged.mcap"));
+  const tenths = held(await linesIn("tenths.mcap"));
+  const box = await page.locator('.plot:has(h2:text-is("Force per segment [N]")) .u-over').boundingBox();
+  for (const share of [0.5, 0.501, 0.502]) {  // a line tells of its numbers wherever it is pointed at
+    await page.mouse.move(box.x + share * box.width, box.y + 20);
+    assert.match(await page.locator('.plot:has(h2:text-is("Force per segment [N]")) .values').innerText(), / N .* N/);
+  }
+  const damaged = held(await linesIn("damaged.mcap"));
   assert.ok(tenths.every((share) => share > 0.95), `${tenths}`);
   assert.ok(damaged.some((share) => share > 0.95) && damaged.some((share) => share < 0.9), `${damaged}`);
 });

@@ -21,7 +21,7 @@ interface Chart {
   stroke(i: number): string;
   dash(i: number): number[] | undefined;
   limit?: number;
-  text?(value: number): string;
+  states?: string[];  // whose numbers its values are
   compares?: boolean;  // columns are the other recording's
 }
 
@@ -46,7 +46,7 @@ function charts(rate: number): Chart[] {
     { title: "Torque per joint", unit: "N mm", height: 130, labels: kSegments.map((_, s) => jointOf(s)), columns: segments(kTorque), ...byFinger },
     { title: "Contacts", unit: "", height: 100, ...single(kContacts) },
     { title: "Tick time, dashed: the deadline", unit: "us", height: 110, limit: 1e6 / rate, ...single(kDuration) },
-    { title: "Device", unit: "", height: 90, text: (value) => kDeviceStates[value] ?? "", ...single(kDeviceState) },
+    { title: "Device", unit: "", height: 110, states: kDeviceStates, ...single(kDeviceState) },
   ];
 }
 
@@ -62,6 +62,18 @@ function lineOf(column: Float32Array, ticks: Float64Array, recordings: Columns[]
   return Array.from(column, (value, i) => (!Number.isNaN(value) ? value : isThere(i) ? undefined : null));
 }
 
+const stepped = uPlot.paths.stepped!({ align: 1 });
+
+/** Of the axis along a chart's values. */
+function rangeOf({ states }: Chart, low: number | null, high: number | null): [number, number] {
+  if (states) return [-0.2, states.length - 0.8];
+  return [Math.min(0, low ?? 0), (high ?? 0) > 0 ? 1.05 * high! : 1];
+}
+const marksOf = ({ states }: Chart): uPlot.Axis =>
+  states ? { splits: () => [...states.keys()], values: () => states } : { values: (_, at) => at.map(brief) };
+
+const kLeft = 52, kLeftOfStates = 92;  // [CSS pixels] for what stands before the plots, as much for all, so that times are in one column
+
 /** Behind the point, of labels that are so far apart. */
 const digitsFor = (step: number) => Math.max(0, 1 - Math.floor(Math.log10(step)));
 
@@ -72,7 +84,7 @@ function valuesText(chart: Chart, values: (number | null)[]): DocumentFragment {
   const fragment = document.createDocumentFragment();
   for (const { value, i } of some) {
     const number = document.createElement("b");
-    number.textContent = chart.text ? chart.text(value) : `${brief(value)} ${chart.unit}`;
+    number.textContent = chart.states ? chart.states[value] ?? "" : `${brief(value)} ${chart.unit}`;
     number.style.color = chart.labels.length > 1 ? chart.stroke(i) : "";
     fragment.append(`${chart.labels[i]} `, number, "  ");
   }
@@ -83,6 +95,7 @@ export function makePlots(parent: HTMLElement, rate: number, zoom: (from: number
   let now = 0;
   let range: [number, number] = [0, 1];
   let last: [Columns, Columns | undefined] | undefined;
+  let left = kLeft;
   const made: { chart: Chart; plot: uPlot; box: HTMLElement; values: HTMLElement }[] = [];
 
   function drawLines(u: uPlot, chart: Chart) {
@@ -114,13 +127,13 @@ export function makePlots(parent: HTMLElement, rate: number, zoom: (from: number
     const plot = new uPlot({
       width: 410, height: chart.height,
       legend: { show: false },
-      scales: { x: { time: false, range: () => range }, y: { range: (_, low, high) => [Math.min(0, low ?? 0), (high ?? 0) > 0 ? 1.05 * high! : 1] } },
-      axes: [{ ...axis, size: 24, values: (_, at, _axis, _space, step) => at.map((t) => `${+t.toFixed(digitsFor(step))} s`) }, { ...axis, size: 52, values: (_, at) => at.map((v) => (chart.text ? chart.text(v) : brief(v))) }],
-      series: [{}, ...chart.labels.map((label, i) => ({ label, stroke: () => chart.stroke(i), dash: chart.dash(i), width: 1.25, points: { show: false } }))],
+      scales: { x: { time: false, range: () => range }, y: { range: (_, low, high) => rangeOf(chart, low, high) } },
+      axes: [{ ...axis, size: 24, values: (_, at, _axis, _space, step) => at.map((t) => `${+t.toFixed(digitsFor(step))} s`) }, { ...axis, size: () => left, ...marksOf(chart) }],
+      series: [{}, ...chart.labels.map((label, i) => ({ label, stroke: () => chart.stroke(i), dash: chart.dash(i), width: 1.25, points: { show: false }, ...(chart.states && { paths: stepped }) }))],
       cursor: { sync: { key: "time" }, drag: { x: true, y: false, setScale: false }, points: { show: false } },
       hooks: {
         draw: [(u) => drawLines(u, chart)],
-        setCursor: [(u) => values.replaceChildren(u.cursor.idx == null ? "" : valuesText(chart, u.data.slice(1).map((column) => column[u.cursor.idx!] ?? null)))],
+        setCursor: [(u) => values.replaceChildren(u.cursor.idx == null ? "" : valuesText(chart, u.data.slice(1).map((column, i) => column[u.cursor.idxs![i + 1] ?? -1] ?? null)))],
         setSelect: [(u) => {
           if (u.select.width < 4) return;
           zoom(u.posToVal(u.select.left, "x"), u.posToVal(u.select.left + u.select.width, "x"));
@@ -132,7 +145,7 @@ export function makePlots(parent: HTMLElement, rate: number, zoom: (from: number
       if (isClick(event)) seek(plot.posToVal(event.offsetX, "x"));
     });
     const title = document.createElement("div");
-    title.className = "title";
+    title.className = chart.labels.length > 1 ? "title of-many" : "title";
     title.append(heading, values);
     box.append(title, plot.root);
     box.addEventListener("pointerdown", (event) => (pressedAt = event.clientX), true);
@@ -147,10 +160,16 @@ export function makePlots(parent: HTMLElement, rate: number, zoom: (from: number
     for (const { chart, plot } of made) if (plot.width !== width) plot.setSize({ width, height: chart.height });
   });
   resizing.observe(parent);
+  const setLeft = (next: number) => {
+    if (next === left) return;
+    left = next;
+    for (const { plot } of made) plot.setSize({ width: plot.width, height: plot.height });  // asks for it again
+  };
 
   return {
     setData(own, other) {
       last = [own, other];
+      setLeft(own.values[kDeviceState].some((state) => !Number.isNaN(state)) ? kLeftOfStates : kLeft);
       for (const { chart, plot, box } of made) {
         const from = chart.compares ? other : own;
         const columns = from ? chart.columns(from) : [];

@@ -1,5 +1,6 @@
 // The whole session in one strip: total force, marks one can jump to, the stretch the plots show, and now.
-import { kForce, type Columns, type Mark, type MarkKind } from "./series";
+import { kContacts, kForce, type Columns, type Mark, type MarkKind } from "./series";
+import { largest } from "./largest";
 import { kSegmentCount } from "./words";
 
 export interface Strip {
@@ -25,6 +26,7 @@ export const xOf = (strip: Strip, tick: number, width: number) => ((tick - strip
 
 function totals({ tick, values }: Columns): Float64Array {
   return Float64Array.from(tick, (_, i) => {
+    if (Number.isNaN(values[kForce][i]) && !Number.isNaN(values[kContacts][i])) return NaN;  // left out
     let sum = 0;
     for (let s = 0; s < kSegmentCount; ++s) sum += values[kForce + s][i] || 0;
     return sum;
@@ -46,12 +48,12 @@ export function drawTimeline(canvas: HTMLCanvasElement, strip: Strip) {
   const x = (tick: number) => xOf(strip, tick, width);
   if (strip.columns && strip.columns.tick.length > 0) {
     const total = totals(strip.columns);
-    const most = Math.max(1e-9, ...total);
+    const most = largest(total, 1e-9);
     context.fillStyle = colour("--soft");
     context.beginPath();
-    context.moveTo(0, height);
-    strip.columns.tick.forEach((tick, i) => context.lineTo(x(tick), height - (total[i] / most) * (height - 18)));
-    context.lineTo(width, height);
+    context.moveTo(x(strip.columns.tick[0]), height);
+    strip.columns.tick.forEach((tick, i) => Number.isNaN(total[i]) || context.lineTo(x(tick), height - (total[i] / most) * (height - 18)));
+    context.lineTo(x(strip.columns.tick.at(-1)!), height);
     context.globalAlpha = 0.5;
     context.fill();
     context.globalAlpha = 1;

@@ -24,7 +24,7 @@ export const kTickFlags = [
   "object implausible", "memory foreign", "hand jumped",
 ];
 export const kDeviceStates = ["disconnected", "idle", "armed", "active", "fault"];
-export const kFault = 4;
+export const kDisconnected = 0, kFault = 4;
 
 /** Why other bits are no fault, in the words of `lumbrical replay`; empty: it is one, or that is not known. */
 export function arithmeticText(recorded: string | undefined, where: string, other: string | undefined): string {

@@ -7,7 +7,7 @@ import { openLive, type Live } from "./live";
 import { toMcap, type Felt } from "./save";
 import { openRecording, type Recording } from "./recording";
 import { makeReplay } from "./replay";
-import { makeColumns, readWindow, scan, type Columns, type Mark } from "./series";
+import { makeColumns, readWindow, scan, type Columns, type Mark, type StateChange } from "./series";
 
 /** `hand`: of a recording of two, which one; the first. */
 export type Source = (({ url: string } | { file: File }) & { hand?: number }) | { live: string } | { lab: LabOptions };
@@ -60,6 +60,7 @@ interface Place {
   recording: Recording;
   other?: Recording;  // that it is compared with
   show?: ReturnType<typeof makeReplay>;
+  changes: StateChange[];  // of the device, as far as it was read
 }
 
 let wasm: ArrayBuffer;
@@ -108,7 +109,7 @@ async function open(place: number, source: Source): Promise<Opened> {
   const bytes = "url" in source ? await bytesOfUrl(source.url) : bytesOfFile(source.file, source.file.name);
   const recording = await openRecording(bytes, source.hand);
   const isOther = place === 1 && source.hand === undefined;  // not the first one's second hand
-  const opened: Place = { bytes, recording, other: isOther ? places[0]?.recording : undefined };
+  const opened: Place = { bytes, recording, other: isOther ? places[0]?.recording : undefined, changes: [] };
   let noContacts = "", arithmetic: string | undefined;
   try {
     const engine = await loadEngine(wasm);
@@ -125,6 +126,7 @@ async function open(place: number, source: Source): Promise<Opened> {
     isThere: () => places[place] === opened,
     tell: (columns, marks, share) => tell({ type: "scanned", place, columns, marks, share }),
     damaged: (text) => tell({ type: "error", id: -1, text }),
+    changed: (change) => void opened.changes.push(change),
   });
   setTimeout(overview, kBeforeScan);
   const { name, sides, bytes: size, session, rate, first, last, metadata } = recording;
@@ -163,7 +165,7 @@ async function answer(id: number, request: Request): Promise<Answer> {
     case "show":
       return { type: "shown", id, shown: place && (await show(place, request.tick)) };
     case "window":
-      return { type: "window", id, columns: place ? await readWindow(place.recording, place.other, request.first, request.last) : makeColumns(0) };
+      return { type: "window", id, columns: place ? await readWindow(place.recording, place.other, request.first, request.last, place.changes) : makeColumns(0) };
     case "touch":
       return { type: "shown", id, shown: touch(request.hand, request.joints) };
     case "newest":
