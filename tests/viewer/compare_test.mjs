@@ -4,7 +4,7 @@ import { execFileSync } from "node:child_process";
 import { copyFileSync, readFileSync, writeFileSync } from "node:fs";
 import { dirname, join } from "node:path";
 import { before, test } from "node:test";
-import { atTick, complaints, details, file, kPatience, open, openNew, page, program, scanned, scene, serve, shot, workerWatch } from "./browser.mjs";
+import { atTick, complaints, details, file, kPatience, message, open, openNew, page, program, scanned, scene, serve, shot, workerWatch } from "./browser.mjs";
 import { capture } from "./headset.mjs";
 
 const examples = dirname(scene);
@@ -141,6 +141,12 @@ test("Where only one goes on, or begins, they part as lumbrical diff says", asyn
     const told = parting("begun.mcap", other);
     assert.match(await details(), new RegExp(`They part at tick ${told.tick}, stage "input", tick`), other);
   }
+  await both("shorter.mcap", "begun.mcap");  // what only the second has is reached
+  await page.keyboard.press("End");
+  await atTick(299);
+  assert.match(await details(), /recording\s+begun\.mcap: the first has no such tick/);
+  await page.keyboard.press("]");
+  assert.equal(await message(), "No further mark.");
 });
 
 test("Nothing is said to be the same before all of it was compared", async () => {

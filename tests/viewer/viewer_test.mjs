@@ -500,6 +500,14 @@ test("A link that comes into an open page is followed", async () => {
   assert.match(await settled(() => page.url()), /tick=1700/);
 });
 
+test("Of a link whose first recording can't be opened nothing is compared with what was open before", async () => {
+  await open((await serve("view", file("grasp.mcap"), file("foreign.mcap"), "--no-browser")).replace(/&.*/, ""));
+  await page.evaluate(() => { location.hash = "#recording=b/foreign.mcap&recording=a/grasp.mcap"; });
+  await page.waitForFunction(() => /foreign\.mcap: byte 0/.test(document.querySelector("#message").innerText), null, kPatience);
+  await settled(message);
+  assert.equal(await page.locator("#name").innerText(), "grasp.mcap");
+});
+
 test("Nothing leaves the page's origin, and nothing but the named files is reachable", async () => {
   const origin = new URL(one).origin;
   await open(one);

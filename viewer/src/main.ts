@@ -3,7 +3,7 @@ import "./commands";
 import { showDetails, tickRows } from "./details";
 import { enterLab, follow, touch } from "./feeling";
 import { drawLegend } from "./legend";
-import { readLink, writeLink } from "./link";
+import { readLink, writeLink, type Link } from "./link";
 import { open } from "./opening";
 import { element, first, last, marks, rate, state, strip, toldOf, view } from "./page";
 import { advance, seek } from "./playing";
@@ -26,12 +26,13 @@ function drawTick() {
   for (const [name, value] of Object.entries({ min: first(), max: last(), now: state.tick, text: time })) strip.setAttribute(`aria-value${name}`, String(value));
   const details = element("details");
   const pick = state.pick;
-  const place = state.together ? pick?.place ?? 0 : 0;  // of two recordings the first
+  const place = state.together ? pick?.place ?? 0 : Math.max(0, state.sides.findIndex(({ frame }) => frame));  // of two recordings the first that has the tick
   const { frame, missing, world, milliseconds, opened } = state.sides[place] ?? side;
   if (frame) {
     const rows = tickRows(frame, milliseconds, world, opened, state.live);
     if (state.together) rows.unshift(["hand", opened.sides[place]]);
     else if (state.sides.length > 1) rows.push(["compared", state.compared]);
+    if (place > 0 && !state.together) rows.unshift(["recording", `${opened.name}: the first has no such tick`]);
     if (view.hasOtherObjects(1) && state.sides.length > 1) rows.push(["the second", "has other objects: these and contacts with them are not drawn"]);
     showDetails(details, pick, pick ? toldOf(pick) : [], rows);
   } else {
@@ -73,13 +74,23 @@ setInterval(() => {
   if (location.hash !== to) history.replaceState(null, "", to || location.pathname + location.search);
 }, 500);
 
+/** False: the first of what a link names can't be opened, so that nothing of it is shown. */
+async function openNamed({ live, recordings }: Link): Promise<boolean> {
+  if (live && !(await open(0, { live: new URL(live, location.href).href }, live))) return false;
+  for (const [place, url] of recordings.entries()) {
+    const whole = new URL(url.split("/").map(encodeURIComponent).join("/"), location.href).href;
+    if (!(await open(place, { url: whole }, url))) return place > 0;
+  }
+  return true;
+}
+
 async function openLink(hash: string) {
   const given = readLink(hash);
-  if (given.live) await open(0, { live: new URL(given.live, location.href).href }, given.live);
-  for (const [place, url] of given.recordings.entries()) {
-    await open(place, { url: new URL(url.split("/").map(encodeURIComponent).join("/"), location.href).href }, url);
-    if (state.sides.length <= place) break;
-  }
+  if (await openNamed(given)) goWhere(given);
+  document.body.dataset.ready = "true";
+}
+
+function goWhere(given: Link) {
   if (given.camera && state.sides.length > 0) {
     view.camera.position.fromArray(given.camera);
     view.controls.target.fromArray(given.camera, 3);
@@ -89,7 +100,6 @@ async function openLink(hash: string) {
     state.unframed = true;
   }
   seek(given.tick ?? state.wanted);
-  document.body.dataset.ready = "true";
 }
 
 document.documentElement.dataset.theme = matchMedia("(prefers-color-scheme: dark)").matches ? "dark" : "light";

@@ -2,7 +2,7 @@
 import type { Comparison, Divergence } from "./difference";
 import { leaveLab } from "./feeling";
 import { hasSameObjects, readWorld } from "./frame";
-import { client, element, redraw, renew, say, state, view, type Side } from "./page";
+import { client, element, first, last, redraw, renew, say, state, view, type Side } from "./page";
 import { seek, setPlaying, show } from "./playing";
 import { makePlots } from "./plots";
 import { fillPlots, setRange, showsWindow } from "./range";
@@ -30,6 +30,7 @@ async function openNow(place: number, source: Source, link: string): Promise<Sid
     const side = sideOf(opened, link);
     const staysInLab = "lab" in source && state.sides[0]?.opened.name === "lab" && hasSameObjects(state.sides[0].world, side.world);
     if (place === 0) setPlaying(false);
+    const showsAll = state.from <= first() && state.to >= last();
     state.sides = place === 0 ? [side] : [state.sides[0], side];
     state.compared = "not yet";
     state.running = "live" in source;
@@ -41,6 +42,7 @@ async function openNow(place: number, source: Source, link: string): Promise<Sid
     view.select(undefined);
     view.setWorld(place, side.world);
     if (place === 0) beginWith(side, !staysInLab);
+    else if (showsAll) setRange(first(), last());
     if (place === 0 && opened.sides.length > 1) await openSecondHand(source, opened);
     document.body.classList.remove("empty");
     element("name").textContent = state.together ? opened.name : state.sides.map((side) => side.opened.name).join("  and  ");

@@ -58,8 +58,10 @@ export const view = makeView(canvas, redraw);
 export const client = await startClient();
 
 export const rate = () => state.sides[0]?.opened.rate ?? 1000;
-export const first = () => state.sides[0]?.opened.first ?? 0;
-export const last = () => state.sides[0]?.opened.last ?? 0;
+/** Of what is open, of two recordings the one that begins earlier, or ends later. */
+const limitOf = (pick: (...ticks: number[]) => number, limit: "first" | "last") => (state.sides.length > 0 ? pick(...state.sides.map(({ opened }) => opened[limit])) : 0);
+export const first = () => limitOf(Math.min, "first");
+export const last = () => limitOf(Math.max, "last");
 export const marks = () => state.sides.flatMap((side) => side.marks).sort((a, b) => a.tick - b.tick);
 
 /** What is picked of a hand is told by its own frame, what is picked of the world by both hands'. */
