@@ -1,6 +1,7 @@
 // P/Invoke declarations of lumbrical.h, whose comments are the manual: structs, enumerations and functions have its
 // names and its order, and a test holds the two against each other. Structs are blittable: nothing is copied or
 // allocated in a call. Set `size` first, to (uint)sizeof(T), or by the functions ..._init. Compile with -unsafe.
+// Beside `using System` write Lumbrical.Object, since System has an Object, too.
 using System;
 using System.Runtime.InteropServices;
 
@@ -362,7 +363,7 @@ namespace Lumbrical
         [DllImport(Library, CallingConvention = C)]
         public static extern int lumbrical_scene_load(string path, out IntPtr scene);
         [DllImport(Library, CallingConvention = C)]
-        public static extern void lumbrical_scene_destroy(IntPtr scene);
+        public static extern int lumbrical_scene_destroy(IntPtr scene);
         [DllImport(Library, CallingConvention = C)]
         public static extern int lumbrical_scene_add_object(IntPtr scene, ref Object @object);
         [DllImport(Library, CallingConvention = C)]
@@ -382,7 +383,7 @@ namespace Lumbrical
         [DllImport(Library, CallingConvention = C)]
         public static extern int lumbrical_model_share(IntPtr world, IntPtr hand, out IntPtr model);
         [DllImport(Library, CallingConvention = C)]
-        public static extern void lumbrical_model_destroy(IntPtr model);
+        public static extern int lumbrical_model_destroy(IntPtr model);
         [DllImport(Library, CallingConvention = C)]
         public static extern int lumbrical_model_describe(IntPtr model, ref ModelInfo info);
         [DllImport(Library, CallingConvention = C)]
@@ -390,7 +391,7 @@ namespace Lumbrical
         [DllImport(Library, CallingConvention = C)]
         public static extern int lumbrical_session_create(IntPtr model, out IntPtr session);
         [DllImport(Library, CallingConvention = C)]
-        public static extern void lumbrical_session_destroy(IntPtr session);
+        public static extern int lumbrical_session_destroy(IntPtr session);
         [DllImport(Library, CallingConvention = C)]
         public static extern int lumbrical_session_tick(IntPtr session, ref Frame frame, IntPtr given, UIntPtr given_count, ref Output output);
         [DllImport(Library, CallingConvention = C)]
@@ -416,7 +417,7 @@ namespace Lumbrical
         [DllImport(Library, CallingConvention = C)]
         public static extern int lumbrical_reader_open(string path, int side, out IntPtr reader);
         [DllImport(Library, CallingConvention = C)]
-        public static extern void lumbrical_reader_close(IntPtr reader);
+        public static extern int lumbrical_reader_close(IntPtr reader);
         [DllImport(Library, CallingConvention = C)]
         public static extern int lumbrical_reader_describe(IntPtr reader, ref RecordingInfo info);
         [DllImport(Library, CallingConvention = C)]
@@ -425,6 +426,8 @@ namespace Lumbrical
         public static extern int lumbrical_reader_next(IntPtr reader, ref Frame frame, ref Output output, out int end);
         [DllImport(Library, CallingConvention = C)]
         public static extern int lumbrical_reader_objects(IntPtr reader, [In, Out] ObjectOutput[] objects, UIntPtr capacity, out UIntPtr count);
+        [DllImport(Library, CallingConvention = C)]
+        public static extern int lumbrical_reader_given(IntPtr reader, [In, Out] Pose[] given, UIntPtr capacity, out UIntPtr count);
         [DllImport(Library, CallingConvention = C)]
         public static extern int lumbrical_reader_seek(IntPtr reader, ulong tick);
         [DllImport(Library, CallingConvention = C)]

@@ -16,9 +16,10 @@
  * ..._init); in an array only the first element's size is read. Poses, wrenches and joints are plain numbers
  * and never change.
  *
- * A handle is used by one thread at a time; a second one that comes in between gets LUMBRICAL_BUSY. Models
- * are only read, by as many as like. lumbrical_session_tick allocates nothing, but for recording and once
- * after a change of it.
+ * A handle is used by one thread at a time; a second one that comes in between gets LUMBRICAL_BUSY, and one
+ * that would destroy it, too: then it is there as before. Models are only read, by as many as like; destroy
+ * one when no thread is in a call with it. Destroying null is no error. lumbrical_session_tick allocates
+ * nothing, but for recording and once after a change of it.
  *
  * Units are metres, newtons, seconds, radians. The world W is right-handed. Quaternions are x y z w. Which
  * way is down only matters to objects that move by themselves (lumbrical_settings.gravity). */
@@ -341,7 +342,7 @@ LUMBRICAL_API int lumbrical_scene_create(int32_t side, double hand_length, lumbr
 /* A scene file (JSON) with the meshes and the motion it names. Refuses one of two hands, with paths of given
  * objects or with physics: those are for `lumbrical run`. */
 LUMBRICAL_API int lumbrical_scene_load(const char* path, lumbrical_scene** scene);
-LUMBRICAL_API void lumbrical_scene_destroy(lumbrical_scene* scene);
+LUMBRICAL_API int lumbrical_scene_destroy(lumbrical_scene* scene);
 LUMBRICAL_API int lumbrical_scene_add_object(lumbrical_scene* scene, const lumbrical_object* object);
 LUMBRICAL_API int lumbrical_scene_settings(lumbrical_scene* scene, lumbrical_settings* settings);
 LUMBRICAL_API int lumbrical_scene_set_settings(lumbrical_scene* scene, const lumbrical_settings* settings);
@@ -365,7 +366,7 @@ LUMBRICAL_API int lumbrical_model_build(lumbrical_scene* scene, const lumbrical_
 LUMBRICAL_API int lumbrical_model_share(const lumbrical_model* world, lumbrical_scene* hand,
                                         lumbrical_model** model);
 /* Sessions go on: they keep what they need. */
-LUMBRICAL_API void lumbrical_model_destroy(lumbrical_model* model);
+LUMBRICAL_API int lumbrical_model_destroy(lumbrical_model* model);
 LUMBRICAL_API int lumbrical_model_describe(const lumbrical_model* model, lumbrical_model_info* info);
 /* Lives as long as the model. */
 LUMBRICAL_API int lumbrical_model_object_name(const lumbrical_model* model, uint32_t object,
@@ -376,7 +377,7 @@ LUMBRICAL_API int lumbrical_model_object_name(const lumbrical_model* model, uint
 
 LUMBRICAL_API int lumbrical_session_create(const lumbrical_model* model, lumbrical_session** session);
 /* Ends its recording, dropping errors: lumbrical_session_stop_recording tells them. */
-LUMBRICAL_API void lumbrical_session_destroy(lumbrical_session* session);
+LUMBRICAL_API int lumbrical_session_destroy(lumbrical_session* session);
 /* One tick. `given`: poses in W of the GIVEN objects in the order they were added, at most as many as there
  * are (fewer: the others stay where they were); may be null where `given_count` is 0. */
 LUMBRICAL_API int lumbrical_session_tick(lumbrical_session* session, const lumbrical_frame* frame,
@@ -425,7 +426,7 @@ LUMBRICAL_API int lumbrical_replay(const char* path, const char* world, const lu
                                    lumbrical_replay_result* result);
 /* Opens a recording to read the hand of that side, or its first. */
 LUMBRICAL_API int lumbrical_reader_open(const char* path, int32_t side, lumbrical_reader** reader);
-LUMBRICAL_API void lumbrical_reader_close(lumbrical_reader* reader);
+LUMBRICAL_API int lumbrical_reader_close(lumbrical_reader* reader);
 LUMBRICAL_API int lumbrical_reader_describe(lumbrical_reader* reader, lumbrical_recording_info* info);
 /* The model that was recorded; sessions of it start as the recorded one did. `world` and `execution` as of
  * lumbrical_replay. */
@@ -435,9 +436,13 @@ LUMBRICAL_API int lumbrical_reader_model(lumbrical_reader* reader, const char* w
  * there is none, and then the others are left alone; each may be null. */
 LUMBRICAL_API int lumbrical_reader_next(lumbrical_reader* reader, lumbrical_frame* frame,
                                         lumbrical_output* output, int32_t* end);
-/* Of the tick that was read last: as lumbrical_session_objects has them. */
+/* Of the tick that lumbrical_reader_next gave last, until it gives another: as lumbrical_session_objects has
+ * them. Before the first an error. */
 LUMBRICAL_API int lumbrical_reader_objects(lumbrical_reader* reader, lumbrical_object_output* objects,
                                            size_t capacity, size_t* count);
+/* Likewise what lumbrical_session_tick was given of GIVEN objects, which felt again gives the same bits. */
+LUMBRICAL_API int lumbrical_reader_given(lumbrical_reader* reader, lumbrical_pose* given, size_t capacity,
+                                         size_t* count);
 /* What comes next is the first tick that is not before `tick`. */
 LUMBRICAL_API int lumbrical_reader_seek(lumbrical_reader* reader, uint64_t tick);
 

@@ -51,10 +51,10 @@ TEST(CApiMistakes, NullPointersAreToldByName) {
   expect_mistake(lumbrical_replay("x", nullptr, nullptr, nullptr), "result is null");
   expect_mistake(lumbrical_convert_poses(0, 1, nullptr, 2), "poses is null");
   expect_mistake(lumbrical_frame_from_openxr(nullptr, nullptr), "is null");
-  lumbrical_scene_destroy(nullptr);
-  lumbrical_model_destroy(nullptr);
-  lumbrical_session_destroy(nullptr);
-  lumbrical_reader_close(nullptr);
+  EXPECT_EQ(lumbrical_scene_destroy(nullptr), LUMBRICAL_OK);
+  EXPECT_EQ(lumbrical_model_destroy(nullptr), LUMBRICAL_OK);
+  EXPECT_EQ(lumbrical_session_destroy(nullptr), LUMBRICAL_OK);
+  EXPECT_EQ(lumbrical_reader_close(nullptr), LUMBRICAL_OK);
 }
 
 TEST(CApiMistakes, WhatDoesNotActOnWhatMovesSoIsRefusedInAnyAxes) {
@@ -140,7 +140,7 @@ TEST(CApiMistakes, AHandleOfAnotherKindIsNoticed) {
   const lumbrical_frame frame = touching_frame_c(0);
   auto* const wrong = reinterpret_cast<lumbrical_session*>(c.scene);
   expect_mistake(lumbrical_session_tick(wrong, &frame, nullptr, 0, &c.output), "no session");
-  lumbrical_session_destroy(wrong);  // leaves it alone
+  expect_mistake(lumbrical_session_destroy(wrong), "no session");  // leaves it alone
   lumbrical_model* other = nullptr;
   EXPECT_EQ(lumbrical_model_build(c.scene, nullptr, &other), LUMBRICAL_OK);
   lumbrical_model_destroy(other);
@@ -302,6 +302,16 @@ TEST(CApiMistakes, AHandleThatAnotherThreadIsInIsBusy) {
   expect_refused(lumbrical_session_tick(c.session, &frame, nullptr, 0, &c.output), LUMBRICAL_BUSY, "thread");
   c.session->busy = false;
   EXPECT_EQ(lumbrical_session_tick(c.session, &frame, nullptr, 0, &c.output), LUMBRICAL_OK);
+}
+
+TEST(CApiMistakes, AHandleThatAnotherThreadIsInIsNotDestroyed) {
+  CSession c(MeshObject(ball_scene().objects[0].mesh).object);
+  c.session->busy = c.scene->busy = true;
+  expect_refused(lumbrical_session_destroy(c.session), LUMBRICAL_BUSY,
+                 "another thread is using this session; it is not destroyed");
+  expect_refused(lumbrical_scene_destroy(c.scene), LUMBRICAL_BUSY, "it is not destroyed");
+  c.session->busy = c.scene->busy = false;
+  c.step(0);
 }
 
 TEST(CApiMistakes, ThreadsThatCallAtOnceGetTicksOrBusyAndTheirOwnMessages) {

@@ -70,13 +70,20 @@ Fault check_handle(const Type* handle) {
   return {};
 }
 
-/// The same, with the handle held for as long as the work takes: one thread at a time.
+/// One thread at a time; `otherwise` says what is not done while another has it.
+template <class Type>
+Fault take_handle(const Type* handle, const char* otherwise = "") {
+  if (Fault fault = check_handle(handle)) return fault;
+  if (handle->busy.exchange(true, std::memory_order_acquire))
+    return {LUMBRICAL_BUSY, std::string("another thread is using this ") + Type::kName + otherwise};
+  return {};
+}
+
+/// The same as call, with the handle held for as long as the work takes.
 template <class Type, class Work>
 int call_with(const char* function, Type* handle, const Work& work) noexcept {
   return call(function, [&]() -> Fault {
-    if (Fault fault = check_handle(handle)) return fault;
-    if (handle->busy.exchange(true, std::memory_order_acquire))
-      return {LUMBRICAL_BUSY, std::string("another thread is using this ") + Type::kName};
+    if (Fault fault = take_handle(handle)) return fault;
     struct Release {
       std::atomic<bool>& busy;
       ~Release() { busy.store(false, std::memory_order_release); }
@@ -85,11 +92,13 @@ int call_with(const char* function, Type* handle, const Work& work) noexcept {
   });
 }
 
+/// One that another thread is in is left to it; nothing is wrong with a null one.
 template <class Type>
-void destroy(const char* function, Type* handle) noexcept {
-  if (handle == nullptr) return;
-  const int status = call(function, [&] { return check_handle(handle); });
+int destroy(const char* function, Type* handle) noexcept {
+  if (handle == nullptr) return LUMBRICAL_OK;
+  const int status = call(function, [&] { return take_handle(handle, "; it is not destroyed"); });
   if (status == LUMBRICAL_OK) delete handle;
+  return status;
 }
 
 inline Fault check_pointer(const void* pointer, const char* name) {
@@ -189,5 +198,8 @@ struct lumbrical_reader : lumbrical::capi::Handle {
   lumbrical_reader() : Handle(kKind) {}
   lumbrical::RecordingReader reader;
   std::vector<std::uint32_t> apart_object;  // where they are in the order of the scene
-  lumbrical::TickRecord record;             // that was read last
+  /// The tick that was handed out last, null before the first, and room for the next: one that can't be read
+  /// does not take its place.
+  lumbrical::TickRecord records[2];
+  const lumbrical::TickRecord* last = nullptr;
 };

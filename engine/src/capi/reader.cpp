@@ -21,6 +21,10 @@ Fault to_side(std::int32_t side, std::optional<Side>& wanted) {
   return check_enum(side, 2, "side", wanted.emplace());
 }
 
+Fault check_read(const lumbrical_reader& reader) {
+  return reader.last != nullptr ? Fault() : bad_argument("no tick has been read yet");
+}
+
 }  // namespace
 
 int lumbrical_replay(const char* path, const char* world, const lumbrical_execution* execution,
@@ -62,7 +66,7 @@ int lumbrical_reader_open(const char* path, int32_t side, lumbrical_reader** rea
   });
 }
 
-void lumbrical_reader_close(lumbrical_reader* reader) { destroy(__func__, reader); }
+int lumbrical_reader_close(lumbrical_reader* reader) { return destroy(__func__, reader); }
 
 int lumbrical_reader_describe(lumbrical_reader* reader, lumbrical_recording_info* info) {
   return call_with(__func__, reader, [&]() -> Fault {
@@ -103,11 +107,12 @@ int lumbrical_reader_next(lumbrical_reader* reader, lumbrical_frame* frame, lumb
       if (Fault fault = check_struct(frame, "frame")) return fault;
     if (output != nullptr)
       if (Fault fault = check_struct(output, "output")) return fault;
-    TickRecord& record = reader->record;
+    TickRecord& record = reader->records[reader->last == &reader->records[0] ? 1 : 0];
     bool at_end = false;
     if (Fault fault = reader->reader.next(record, at_end)) return fault;
     if (end != nullptr) *end = at_end ? 1 : 0;
     if (at_end) return {};
+    reader->last = &record;
     if (frame != nullptr) to_c(record.device, *frame);
     if (output != nullptr) to_c(record.output, record.object_count, *output);
     return {};
@@ -119,11 +124,24 @@ int lumbrical_reader_objects(lumbrical_reader* reader, lumbrical_object_output* 
   return call_with(__func__, reader, [&]() -> Fault {
     if (Fault fault = check_array(objects, capacity, "objects")) return fault;
     if (Fault fault = check_pointer(count, "count")) return fault;
-    const TickRecord& record = reader->record;
+    if (Fault fault = check_read(*reader)) return fault;
+    const TickRecord& record = *reader->last;
     if (record.object_count > reader->apart_object.size())
       return {LUMBRICAL_BAD_DATA, "the recorded tick has more objects than its scene; verify the recording"};
     return hand_over(std::span(record.object).first(record.object_count), objects, capacity, count,
                      [&](std::size_t i) { return to_c(record.object[i], reader->apart_object[i]); });
+  });
+}
+
+int lumbrical_reader_given(lumbrical_reader* reader, lumbrical_pose* given, size_t capacity, size_t* count) {
+  return call_with(__func__, reader, [&]() -> Fault {
+    if (capacity > 0)
+      if (Fault fault = check_pointer(given, "given")) return fault;
+    if (Fault fault = check_pointer(count, "count")) return fault;
+    if (Fault fault = check_read(*reader)) return fault;
+    const TickRecord& record = *reader->last;
+    return hand_over(std::span(record.given).first(record.given_count), given, capacity, count,
+                     [&](std::size_t i) { return to_c(record.given[i].pose); });
   });
 }
 

@@ -309,7 +309,7 @@ int lumbrical_scene_load(const char* path, lumbrical_scene** scene) {
   });
 }
 
-void lumbrical_scene_destroy(lumbrical_scene* scene) { destroy(__func__, scene); }
+int lumbrical_scene_destroy(lumbrical_scene* scene) { return destroy(__func__, scene); }
 
 int lumbrical_scene_add_object(lumbrical_scene* scene, const lumbrical_object* object) {
   return call_with(__func__, scene, [&]() -> Fault {
@@ -410,7 +410,7 @@ int lumbrical_model_share(const lumbrical_model* world, lumbrical_scene* hand, l
   });
 }
 
-void lumbrical_model_destroy(lumbrical_model* model) { destroy(__func__, model); }
+int lumbrical_model_destroy(lumbrical_model* model) { return destroy(__func__, model); }
 
 int lumbrical_model_describe(const lumbrical_model* model, lumbrical_model_info* info) {
   return call(__func__, [&]() -> Fault {

@@ -95,7 +95,7 @@ int lumbrical_session_create(const lumbrical_model* model, lumbrical_session** s
   });
 }
 
-void lumbrical_session_destroy(lumbrical_session* session) { destroy(__func__, session); }
+int lumbrical_session_destroy(lumbrical_session* session) { return destroy(__func__, session); }
 
 int lumbrical_session_tick(lumbrical_session* session, const lumbrical_frame* frame,
                            const lumbrical_pose* given, size_t given_count, lumbrical_output* output) {
