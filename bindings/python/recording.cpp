@@ -1,4 +1,5 @@
 // Recordings, for Python: read into arrays, replayed, changed.
+#include <span>
 
 #include "bind.h"
 
@@ -68,16 +69,40 @@ py::array read(Recording& self, std::uint64_t first, std::optional<std::uint64_t
   return array_of(std::move(rows));
 }
 
-py::object read_objects(Recording& self, std::uint64_t first, std::optional<std::uint64_t> last,
-                        std::uint64_t step) {
-  std::vector<ObjectOutput> rows;
-  py::ssize_t ticks = 0;
+// A row for each tick, of as many as there are in the first: others would stand in each other's place.
+template <class Item, class ListOf>
+py::object read_table(Recording& self, std::uint64_t first, std::optional<std::uint64_t> last,
+                      std::uint64_t step, const char* names, const ListOf& list_of) {
+  std::vector<Item> rows;
+  std::size_t ticks = 0, per_tick = 0;
+  std::string uneven;
   read_ticks(self, first, last, step, [&](const TickRecord& record) {
-    rows.insert(rows.end(), record.object.begin(), record.object.begin() + record.object_count);
+    const std::span<const Item> list = list_of(record);
+    if (ticks == 0) per_tick = list.size();
+    if (uneven.empty() && list.size() != per_tick)
+      uneven = "tick " + std::to_string(record.output.tick) + " has " + std::to_string(list.size()) + " " +
+               names + ", those before " + std::to_string(per_tick) +
+               " each; read these by themselves, with last=" + std::to_string(record.output.tick);
+    if (!uneven.empty()) return;
+    rows.insert(rows.end(), list.begin(), list.end());
     ++ticks;
   });
-  const py::ssize_t per_tick = ticks == 0 ? 0 : static_cast<py::ssize_t>(rows.size()) / ticks;
+  if (!uneven.empty()) refuse(uneven);
   return array_of(std::move(rows)).attr("reshape")(py::make_tuple(ticks, per_tick));
+}
+
+py::object read_objects(Recording& self, std::uint64_t first, std::optional<std::uint64_t> last,
+                        std::uint64_t step) {
+  return read_table<ObjectOutput>(self, first, last, step, "objects", [](const TickRecord& record) {
+    return std::span(record.object).first(record.object_count);
+  });
+}
+
+py::object read_given(Recording& self, std::uint64_t first, std::optional<std::uint64_t> last,
+                      std::uint64_t step) {
+  return read_table<ObjectFrame>(
+      self, first, last, step, "poses of given objects",
+      [](const TickRecord& record) { return std::span(record.given).first(record.given_count); });
 }
 
 py::dict info(Recording& self) {
@@ -193,6 +218,7 @@ void bind_recording(py::module_& module) {
       .def_property_readonly("info", &info)
       .def("read", &read, "first"_a = 0u, "last"_a = py::none(), "step"_a = 1u)
       .def("read_objects", &read_objects, "first"_a = 0u, "last"_a = py::none(), "step"_a = 1u)
+      .def("read_given", &read_given, "first"_a = 0u, "last"_a = py::none(), "step"_a = 1u)
       .def("model", &model_of, py::kw_only(), "world"_a = py::none(), "threads"_a = 1u,
            "broadphase"_a = "auto")
       .def("close", &Recording::close)

@@ -40,15 +40,25 @@ std::size_t given_count(const Model& model) {
   return count;
 }
 
-// Of every tick one after the other: as many as there are frames.
+// Whether poses stand where they belong: a row for each frame, which one frame by itself and one object may
+// leave out. Rows of none tell no object anything, as recordings may have it.
+bool is_given_shape(const std::vector<std::size_t>& shape, std::size_t ticks, std::size_t objects) {
+  if (shape.size() == 2) return shape[0] == ticks && (shape[1] == objects || shape[1] == 0);
+  if (shape.size() == 1) return (ticks == 1 && shape[0] == objects) || (objects == 1 && shape[0] == ticks);
+  return shape.empty() && ticks == 1 && objects == 1;
+}
+
+// Of every tick one after the other.
 std::vector<ObjectFrame> given_of(const py::object& given, const Model& model, std::size_t ticks) {
   if (given.is_none()) return {};
-  const std::size_t count = given_count(model);
   std::vector<ObjectFrame> poses = rows_of<ObjectFrame>(given, "given", "pose_dtype");
-  if (poses.size() != ticks * count)
-    throw py::value_error("given holds " + std::to_string(poses.size()) + " poses in the place of " +
-                          std::to_string(ticks * count) + ": " + std::to_string(count) +
-                          " given objects in every frame");
+  const py::object shape = given.attr("shape");
+  const std::size_t count = given_count(model);
+  if (!is_given_shape(shape.cast<std::vector<std::size_t>>(), ticks, count))
+    throw py::value_error("given is of shape " + py::repr(shape).cast<std::string>() + " in the place of (" +
+                          std::to_string(ticks) + ", " + std::to_string(count) +
+                          "): a row for each frame, with the poses of the " + std::to_string(count) +
+                          " given objects");
   return poses;
 }
 

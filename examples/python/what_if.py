@@ -15,7 +15,7 @@ path = sys.argv[2] if len(sys.argv) > 2 else os.path.join(here, "../../recording
 
 with lum.Recording(path) as recording:
     ticks = recording.read()
-    felt_again = lum.Session(recording.model()).run(ticks["frame"])
+    felt_again = lum.Session(recording.model()).run(ticks["frame"], recording.read_given())
 recorded = ticks["output"]["segment"]["force"]
 kept = ~np.isnan(recorded).any(axis=(1, 2))  # a recording may leave forces out
 assert (felt_again["segment"]["force"][kept] == recorded[kept]).all(), "the same inputs give the same bits"

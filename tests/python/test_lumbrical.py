@@ -1,5 +1,7 @@
 """The Python module as people use it."""
 import os
+import subprocess
+import sys
 
 import numpy as np
 import pytest
@@ -166,8 +168,32 @@ def test_given_objects_go_where_they_are_told():
     assert outputs["segment"]["force"][-1, :, 2].sum() > outputs["segment"]["force"][20, :, 2].sum() > 0
     assert session.objects["pose"]["position"][0, 2] == given["position"][-1, 0, 2]
     assert np.allclose(session.objects["wrench"]["force"][0], -lum.hand_force(outputs)[-1], atol=1e-6)
-    with pytest.raises(ValueError):
-        session.run(frames, given[:39])
+
+
+@pytest.mark.parametrize("frames, objects, good, wrong", [
+    (3, 2, [(3, 2)], [(2, 3), (6,), (1, 6, 1), (3,), (2,), (2, 2), ()]), (1, 2, [(1, 2), (2,)], [(2, 1), (1,), ()]),
+    (3, 1, [(3, 1), (3,), (3, 0)], [(1, 3), (1,), (2, 1), ()]), (1, 1, [(1, 1), (1,), ()], [(1, 1, 1), (2,)]),
+])
+def test_poses_of_given_objects_stand_in_their_places(frames, objects, good, wrong):
+    scene = lum.Scene()
+    for name in "ab"[:objects]:
+        scene.add_object(name, *lum.make_sphere(0.04, 2), moves="given")
+    model = lum.Model(scene)
+    places = np.arange(frames * objects, dtype=float)
+    for shape in good + wrong:
+        given = np.zeros(shape, dtype=lum.pose_dtype)
+        given["orientation"][..., 0] = 1
+        session = lum.Session(model)
+        if shape in wrong:
+            with pytest.raises(ValueError, match=rf"shape .* in the place of \({frames}, {objects}\)"):
+                session.run(touching_frames(frames), given)
+            assert session.state.tick == 0
+        elif given.size == frames * objects:
+            given["position"][..., 0] = places.reshape(shape)
+            session.run(touching_frames(frames), given)
+            assert list(session.objects["pose"]["position"][:, 0]) == list(places[-objects:])
+        else:
+            assert same_bits(session.run(touching_frames(frames), given), lum.Session(model).run(touching_frames(frames)))
 
 
 def test_a_surface_is_felt():
@@ -320,11 +346,53 @@ def test_a_recording_is_read_replayed_and_changed(tmp_path, session):
         assert (ticks["duration_ns"] > 0).all()
         assert np.shares_memory(ticks["output"]["segment"]["force"], ticks)
         assert list(recording.read(10, 50, 10)["output"]["tick"]) == [10, 20, 30, 40]
-        assert recording.read_objects().shape == (100, 0)
+        assert recording.read_objects().shape == recording.read_given().shape == (100, 0)
         again = lum.Session(recording.model()).run(ticks["frame"])
         assert same_bits(again, outputs)
     changed = lum.what_if(path, stiffness=1e7)
     assert changed["ticks"] == 100 and changed["force"]["max"].max() > 0.01
+
+
+def given_session(path, count=60):
+    """Recorded: a ball that is told where it is, and rubs."""
+    scene = lum.Scene()
+    scene.add_object("ball", *lum.make_sphere(0.04, 4), moves="given", friction=0.5)
+    session = lum.Session(lum.Model(scene))
+    session.record(path)
+    given = np.zeros((count, 1), dtype=lum.pose_dtype)
+    given["orientation"][..., 0] = 1
+    given["position"][..., 2] = np.arange(count)[:, None] * 1e-4
+    return session, session.run(np.repeat(touching_frames(61)[-1:], count), given), given
+
+
+def test_a_recording_of_given_objects_is_felt_again(tmp_path):
+    path = tmp_path / "given.mcap"
+    session, outputs, given = given_session(path)
+    session.stop_recording()
+    with lum.Recording(path) as recording:
+        read = recording.read_given()
+        assert read.shape == (60, 1) and same_bits(read, given)
+        assert same_bits(recording.read_given(10, 50, 10), given[10:50:10])
+        assert recording.read_given(60).shape == (0, 0)
+        frames = recording.read()["frame"]
+        assert same_bits(lum.Session(recording.model()).run(frames, read), outputs)
+    pytest.importorskip("matplotlib")
+    example = os.path.join(os.environ["LUMBRICAL_SOURCE_DIR"], "examples/python/what_if.py")
+    subprocess.run([sys.executable, example, tmp_path / "what_if.png", path], check=True)
+
+
+def test_ticks_told_of_other_numbers_of_objects_are_read_apart(tmp_path):
+    path = tmp_path / "given.mcap"
+    session, outputs, given = given_session(path)
+    rest = session.run(touching_frames(60))
+    session.stop_recording()
+    with lum.Recording(path) as recording:
+        with pytest.raises(ValueError, match="tick 60 has 0 poses of given objects, those before 1 each.*last=60"):
+            recording.read_given()
+        assert recording.read_objects().shape == (120, 1)
+        frames, again = recording.read()["frame"], lum.Session(recording.model())
+        assert same_bits(again.run(frames[:60], recording.read_given(0, 60)), outputs)
+        assert same_bits(again.run(frames[60:], recording.read_given(60)), rest)
 
 
 def test_a_replay_of_a_torn_file_says_so(tmp_path, session):

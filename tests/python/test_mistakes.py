@@ -41,7 +41,7 @@ def test_a_closed_recording_says_so(tmp_path, session):
     recording = lum.Recording(path)
     recording.close()
     recording.close()
-    for use in (recording.read, recording.model, lambda: recording.info, recording.read_objects):
+    for use in (recording.read, recording.model, lambda: recording.info, recording.read_objects, recording.read_given):
         with pytest.raises(ValueError, match="closed"):
             use()
 
