@@ -141,21 +141,15 @@ void add_object(PyScene& self, std::string name, const py::object& vertices, con
 }
 
 // A tracker's hand: its palm, and its radii where it has some.
-void fit_hand_to(PyScene& self, const py::object& given, const py::object& radii) {
-  Motion motion;
-  motion.side = self.scene.hand.side;
+void fit_hand_of(PyScene& self, const py::object& given, const py::object& radii) {
   const std::vector<DeviceFrame> frames = frames_of(given);
-  constexpr std::uint32_t kAll = (1u << kJointCount) - 1;
-  if (frames.size() != 1 || frames[0].kind != InputKind::joint_poses || frames[0].valid != kAll)
-    throw py::value_error("frame is not one of pose_frames in which all joints are tracked");
-  motion.samples.push_back({0, frames[0]});
+  if (frames.size() != 1) throw py::value_error("frame is not one frame");
+  std::array<double, kJointCount> radius{};
   if (!radii.is_none()) {
     const std::vector<double> told = numbers_of<double>(radii, {kJointCount}, "radii");
-    std::copy(told.begin(), told.end(), motion.radius.begin());
+    std::copy(told.begin(), told.end(), radius.begin());
   }
-  Hand hand = fit_hand(self.scene.hand, motion);
-  check(check_hand(hand));
-  self.scene.hand = std::move(hand);
+  check(fit_hand_to(frames[0], radius, self.scene.hand));
 }
 
 // The scene file's motion at the times of ticks.
@@ -314,7 +308,7 @@ void bind_scene(py::module_& module) {
       "latch_object"_a = py::none(), "latch_opens"_a = 0.0, "crease_angle"_a = 0.0,
       "friction_factors"_a = py::none(), "grip"_a = py::none(), "bumps"_a = py::none());
   scene.def("frames", &motion_frames);
-  scene.def("fit_hand", &fit_hand_to, "frame"_a, "radii"_a = py::none());
+  scene.def("fit_hand", &fit_hand_of, "frame"_a, "radii"_a = py::none());
   bind_number(scene, "stiffness", &Settings::stiffness);
   bind_number(scene, "rate", &Settings::rate);
   bind_number(scene, "point_area", &Settings::point_area);

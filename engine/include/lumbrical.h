@@ -348,8 +348,9 @@ LUMBRICAL_API int lumbrical_scene_settings(lumbrical_scene* scene, lumbrical_set
 LUMBRICAL_API int lumbrical_scene_set_settings(lumbrical_scene* scene, const lumbrical_settings* settings);
 /* [m] LUMBRICAL_JOINTS distances from joint to skin, 1e-6 .. 1000. */
 LUMBRICAL_API int lumbrical_scene_set_radii(lumbrical_scene* scene, const double* radii);
-/* Radii and palm from an XrHandJointLocationsEXT (see lumbrical_frame_from_openxr) that shows the whole hand.
- */
+/* Radii (above 0) and palm from an XrHandJointLocationsEXT (see lumbrical_frame_from_openxr). Refused, and
+ * nothing is changed, unless it shows the whole hand: active, every joint valid, finite, and not in one
+ * point. */
 LUMBRICAL_API int lumbrical_scene_fit_hand(lumbrical_scene* scene, const void* xr_hand_joint_locations);
 /* Of a scene from a file: the session's length [s], and the frame of its motion at a time [s]. */
 LUMBRICAL_API int lumbrical_scene_seconds(lumbrical_scene* scene, double* seconds);

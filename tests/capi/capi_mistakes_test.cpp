@@ -368,6 +368,9 @@ TEST(CApiOpenXr, AHandIsFittedToItsJoints) {
   EXPECT_EQ(fit_by_openxr(c.scene, joints, -1), LUMBRICAL_OK) << "not told: the hand's own";
   EXPECT_EQ(fit_by_openxr(c.scene, joints, 1e9f), LUMBRICAL_BAD_DATA);
   EXPECT_EQ(c.scene->scene.hand.radius[4], static_cast<double>(0.0125f));
+  for (lumbrical_joint& joint : joints) joint = joints[0];
+  expect_refused(fit_by_openxr(c.scene, joints, 0.02f), LUMBRICAL_BAD_DATA, "span no area");
+  EXPECT_EQ(c.scene->scene.hand.radius[4], static_cast<double>(0.0125f));
 }
 
 // ---- Axes and units

@@ -347,6 +347,41 @@ TEST(FitHand, MirrorsTheHandForAMotionOfTheOtherSide) {
   EXPECT_TRUE(check_hand(fitted).ok());
 }
 
+TEST(FitHand, AFrameThatShowsNoWholeHandChangesNothing) {
+  const DeviceFrame good = posed_motion(Side::right).samples[0].frame;
+  const auto refuse = [](const DeviceFrame& frame, const std::array<double, kJointCount>& radius,
+                         const std::string& told) {
+    const Hand before = default_hand(Side::right, 0.16);
+    Hand hand = before;
+    const Status status = fit_hand_to(frame, radius, hand);
+    EXPECT_NE(status.message().find(told), std::string::npos) << status.message();
+    EXPECT_EQ(hand.radius, before.radius) << told;
+    EXPECT_EQ(hand.palm.polygon, before.palm.polygon) << told;
+  };
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  std::array<double, kJointCount> radius{};
+  radius[kIndexTip] = 0.0123;
+  DeviceFrame lost = good, angles = good, partly = good, far = good, turned = good, point = good;
+  lost.flags = kTrackingLost;
+  angles.kind = InputKind::joint_angles;
+  partly.valid &= ~(1u << kThumbTip);
+  far.joint[kIndexProximal].position[1] = nan;
+  turned.joint[kPalm].orientation = {};
+  point.joint.fill(point.joint[kPalm]);
+  for (const DeviceFrame& frame : {lost, angles, partly}) refuse(frame, radius, "not all joints are tracked");
+  refuse(far, radius, "of index proximal is not finite");
+  refuse(turned, radius, "of palm is not finite, or its orientation no unit quaternion");
+  refuse(point, radius, "the joints of the palm span no area");
+  radius[kIndexTip] = nan;
+  refuse(good, radius, "radius of index tip is not finite");
+  radius[kIndexTip] = 1e9;
+  refuse(good, radius, "radius of index tip must lie between");
+  Hand hand = default_hand(Side::right);
+  hand.palm.polygon.clear();
+  EXPECT_TRUE(fit_hand_to(good, {}, hand).ok());
+  EXPECT_LT(norm(hand.palm.polygon[0] - default_hand(Side::right).palm.polygon[0]), 1e-6);
+}
+
 // The grasp, against the analytic cylinder.
 
 struct Grip {

@@ -54,8 +54,13 @@ def test_a_hand_is_fitted_to_a_trackers_frame(session):
     radii[10] = 0.0099
     large.fit_hand(frame[0], radii)
     assert large.radii[10] == 0.0099 and np.array_equal(np.delete(large.radii, 10), np.delete(small.radii, 10))
-    with pytest.raises(ValueError, match="all joints are tracked"):
-        large.fit_hand(touching_frames(1))
+    lost, point = frame.copy(), frame.copy()
+    lost["flags"] = lum.TRACKING_LOST
+    point["joint"]["position"] = 0
+    for wrong, told in ((touching_frames(1), "tracked"), (lost, "tracked"), (point, "no area"), (frame.repeat(2), "one frame")):
+        with pytest.raises(ValueError, match=told):
+            large.fit_hand(wrong, np.full(26, 0.01))
+    assert large.radii[10] == 0.0099 and np.array_equal(np.delete(large.radii, 10), np.delete(small.radii, 10))
     felt = [lum.hand_force(lum.Session(lum.Model(scene)).run(touching_frames(100)))[-1] for scene in (small, large)]
     assert np.linalg.norm(felt[1] - felt[0]) > 0.01, "another palm feels otherwise"
 

@@ -79,7 +79,8 @@ class Scene:
                    grip: Optional[Tuple[ArrayLike, float, float, float]] = ...,  # image of 0 .. 1, period, black, white
                    bumps: Optional[Tuple[ArrayLike, float, float, float]] = ...) -> None: ...
     def frames(self) -> NDArray[np.void]: ...  # the scene file's motion, a frame per tick
-    # The palm of a frame of pose_frames in which all joints are tracked, and radii (26,) [m], 0 where unknown.
+    # The palm of a frame of pose_frames in which all joints are tracked, and radii (26,) [m], 0 where unknown. A frame
+    # that shows no hand, lost or with all joints in one point, is a ValueError, and nothing is changed.
     def fit_hand(self, frame: Union[NDArray[np.void], np.void], radii: Optional[ArrayLike] = ...) -> None: ...
     @property
     def precision(self) -> NDArray[np.float64]: ...  # (16,), a view to write into

@@ -101,6 +101,12 @@ Status place_motion(const MotionPlacement& placement, Motion& motion);
 /// knuckles are tracked.
 Hand fit_hand(const Hand& hand, const Motion& motion);
 
+/// Fits the hand to one frame of its own side that shows all of it: the palm, and the radii [m] that are
+/// above 0. Refuses other frames: of joint angles, with a joint that is not tracked, not finite or without
+/// a unit quaternion, with a palm that spans no area; and radii that are not finite or no hand's. On error
+/// `hand` is unchanged.
+Status fit_hand_to(const DeviceFrame& frame, const std::array<double, kJointCount>& radius, Hand& hand);
+
 /// How the resampler behaves between and beyond samples.
 struct ResamplerOptions {
   double max_gap =

@@ -350,16 +350,10 @@ int lumbrical_scene_set_radii(lumbrical_scene* scene, const double* radii) {
 
 int lumbrical_scene_fit_hand(lumbrical_scene* scene, const void* xr_hand_joint_locations) {
   return call_with(__func__, scene, [&]() -> Fault {
-    Motion motion;
-    motion.side = scene->scene.hand.side;
-    DeviceFrame& frame = motion.samples.emplace_back().frame;
-    if (Fault fault = read_openxr(xr_hand_joint_locations, frame, motion.radius)) return fault;
-    if ((frame.flags & kTrackingLost) != 0 || frame.valid != (1u << kJointCount) - 1)
-      return {LUMBRICAL_BAD_DATA, "not all joints are tracked; fit the hand to a frame in which they are"};
-    Hand hand = fit_hand(scene->scene.hand, motion);
-    if (Fault fault = check_hand(hand)) return fault;
-    scene->scene.hand = std::move(hand);
-    return {};
+    DeviceFrame frame;
+    std::array<double, kJointCount> radius;
+    if (Fault fault = read_openxr(xr_hand_joint_locations, frame, radius)) return fault;
+    return fit_hand_to(frame, radius, scene->scene.hand);
   });
 }
 

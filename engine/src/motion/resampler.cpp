@@ -147,6 +147,28 @@ bool shows_the_palm(const DeviceFrame& frame) {
          (frame.valid & kPalmJoints) == kPalmJoints;
 }
 
+bool is_rigid_joint(const JointPose& joint) {
+  const Quat q = to_quat(joint.orientation);
+  const double square = dot(q, q);
+  return is_finite(to_pose(joint).position) && square > 0.25 && square < 4;
+}
+
+void take_radii(const std::array<double, kJointCount>& radius, Hand& hand) {
+  for (int j = 0; j < kJointCount; ++j) {
+    if (radius[j] > 0) hand.radius[j] = radius[j];
+  }
+}
+
+// False, and the hand's own stays, where the joints span no area.
+bool take_palm(const DeviceFrame& frame, Hand& hand) {
+  std::array<Pose, kJointCount> X_BJ;
+  for (int j = 0; j < kJointCount; ++j) X_BJ[j] = to_pose(frame.joint[j]);
+  std::vector<Vec3> polygon = fit_palm_polygon(X_BJ, hand.radius, hand.palm.thickness);
+  if (polygon.empty()) return false;
+  hand.palm.polygon = std::move(polygon);
+  return true;
+}
+
 }  // namespace
 
 DeviceFrame resample(const Motion& motion, double time, const ResamplerOptions& options) {
@@ -225,20 +247,35 @@ Status place_motion(const MotionPlacement& placement, Motion& motion) {
 Hand fit_hand(const Hand& hand, const Motion& motion) {
   const FloatingPointGuard guard;
   Hand fitted = hand.side == motion.side ? hand : mirrored_hand(hand);
-  for (int j = 0; j < kJointCount; ++j) {
-    if (motion.radius[j] > 0) fitted.radius[j] = motion.radius[j];
-  }
+  take_radii(motion.radius, fitted);
   for (const MotionSample& sample : motion.samples) {
     if (!shows_the_palm(sample.frame)) continue;
-    std::array<Pose, kJointCount> X_BJ;
-    for (int j = 0; j < kJointCount; ++j) {
-      X_BJ[j] = to_pose(sample.frame.joint[j]);
-    }
-    std::vector<Vec3> polygon = fit_palm_polygon(X_BJ, fitted.radius, fitted.palm.thickness);
-    if (!polygon.empty()) fitted.palm.polygon = std::move(polygon);
+    take_palm(sample.frame, fitted);
     break;
   }
   return fitted;
+}
+
+Status fit_hand_to(const DeviceFrame& frame, const std::array<double, kJointCount>& radius, Hand& hand) {
+  const FloatingPointGuard guard;
+  constexpr std::uint32_t kAll = (1u << kJointCount) - 1;
+  if (!shows_the_palm(frame) || (frame.valid & kAll) != kAll)
+    return Status::error(
+        "not all joints are tracked; fit the hand to a frame of joint poses in which they are");
+  for (int j = 0; j < kJointCount; ++j) {
+    if (!is_rigid_joint(frame.joint[j]) || !is_finite(radius[j]))
+      return Status::error(
+          "the pose or radius of " + std::string(joint_name(j)) +
+          " is not finite, or its orientation no unit quaternion; fit the hand to another frame");
+  }
+  Hand fitted = hand;
+  take_radii(radius, fitted);
+  if (!take_palm(frame, fitted))
+    return Status::error(
+        "the joints of the palm span no area; fit the hand to a frame that shows an open hand");
+  if (Status status = check_hand(fitted); !status.ok()) return status;
+  hand = std::move(fitted);
+  return {};
 }
 
 }  // namespace lumbrical
