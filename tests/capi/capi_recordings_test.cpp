@@ -1,6 +1,7 @@
 // Recordings by lumbrical.h: written by a session, replayed, read tick by tick.
 #include <gtest/gtest.h>
 
+#include <csignal>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
@@ -9,6 +10,7 @@
 #include <vector>
 
 #include "capi_fixture.h"
+#include "file_size_limit.h"
 #include "files/world_file_fixture.h"
 #include "lumbrical/recording.h"
 
@@ -264,6 +266,38 @@ TEST(CApiRecordings, ObjectsAreThoseOfTheTickThatWasHandedOut) {
   ASSERT_EQ(lumbrical_reader_next(reader.get(), nullptr, nullptr, &end), LUMBRICAL_OK);
   EXPECT_EQ(end, 1);
   EXPECT_EQ(height(), 0.0015);
+}
+
+// Where programs start with the signals that a shell gives them: SIGXFSZ ends them.
+TEST(CApiRecordings, AFileThatMayNotGrowIsAnErrorAndNoSignal) {
+  const std::string path = (own_folder() / "touch.mcap").string();
+  const auto recorded = [&](std::size_t ticks) {
+    auto c = std::make_unique<CSession>(MeshObject(ball_scene().objects[0].mesh).object);
+    EXPECT_EQ(lumbrical_session_record(c->session, path.c_str(), nullptr), LUMBRICAL_OK);
+    for (std::size_t i = 0; i < ticks; ++i) c->step(i);
+    return c;
+  };
+  {
+    const auto c = recorded(0);
+    int status = LUMBRICAL_OK;
+    std::uint64_t kept = 0;
+    const FileSizeLimit limit(50'000);
+    std::signal(SIGXFSZ, SIG_DFL);
+    const lumbrical_frame frame = touching_frame_c(60);
+    for (std::size_t i = 0; i < 100'000 && status == LUMBRICAL_OK; ++i)
+      status = lumbrical_session_tick(c->session, &frame, nullptr, 0, &c->output);
+    EXPECT_EQ(status, LUMBRICAL_NOT_RECORDED) << "the recorder's thread wrote";
+    EXPECT_EQ(lumbrical_session_stop_recording(c->session, &kept), LUMBRICAL_BAD_DATA);
+  }
+  fs::remove(path + ".part");
+  const auto c = recorded(20);
+  const FileSizeLimit limit(fs::file_size(path + ".part") + 10);
+  std::signal(SIGXFSZ, SIG_DFL);
+  EXPECT_EQ(lumbrical_session_stop_recording(c->session, nullptr), LUMBRICAL_BAD_DATA) << "this one did";
+  const CSession other(MeshObject(ball_scene().objects[0].mesh).object);
+  const FileSizeLimit shorter(10);
+  std::signal(SIGXFSZ, SIG_DFL);
+  EXPECT_EQ(lumbrical_session_record(other.session, (path + ".2").c_str(), nullptr), LUMBRICAL_BAD_DATA);
 }
 
 TEST(CApiRecordings, NameAWorldFileThatMayHaveMoved) {

@@ -161,7 +161,8 @@ const Outside kOutside[] = {
     {"(stddef|stdint|string)[.]h", "engine/include/(lumbrical|lumbrical/shared_device)[.]h"},
     {"modbus/.*", "engine/src/modbus/modbus_link[.]cpp"},
     {"(poll|sched|pthread|signal|spawn|termios|errno|time|netdb|arpa/\\w+|netinet/\\w+)[.]h",
-     "(engine/src/(modbus/line_rates[.]h|(modbus/modbus_|loop/)\\w+[.]cpp|recording/recorder[.]cpp)|"
+     "(engine/src/(base/thread_signals[.]h|modbus/line_rates[.]h|(modbus/modbus_|loop/)\\w+[.]cpp|"
+     "recording/recorder[.]cpp)|"
      "tools/.*|tests/.*)"},
     {"CLI/.*", "tools/lumbrical/command_line[.]cpp"},
     {"pybind11/.*", "bindings/python/\\w+[.](h|cpp)"},

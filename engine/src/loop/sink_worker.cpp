@@ -1,14 +1,13 @@
 // See sink_worker.h.
 #include "loop/sink_worker.h"
 
-#include <signal.h>
-
 #include <algorithm>
 #include <chrono>
 #include <limits>
 #include <new>
 #include <utility>
 
+#include "base/thread_signals.h"
 #include "loop/scheduling.h"
 #include "lumbrical/real_time.h"
 
@@ -36,11 +35,7 @@ void DeviceSink::Worker::problem(std::string text) {
 }
 
 void DeviceSink::Worker::set_up_thread() {
-  // Signals are other threads' affair: a handler that waits for this one must not run on it.
-  sigset_t signals;
-  sigfillset(&signals);
-  for (const int own : {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGTRAP, SIGSYS}) sigdelset(&signals, own);
-  pthread_sigmask(SIG_BLOCK, &signals, nullptr);
+  leave_signals_to_others();
   if (options.priority > 0 && take_priority(options.priority) != 0)
     tell("no real-time priority for the sink's thread: not permitted");
   if (options.cpu >= 0 && !stay_on({&options.cpu, 1})) tell("the sink's thread could not be pinned");

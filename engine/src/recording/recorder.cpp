@@ -16,6 +16,7 @@
 #include <utility>
 
 #include "base/ring.h"
+#include "base/thread_signals.h"
 #include "flatbuffers/flatbuffers.h"
 #include "lumbrical/recording.h"
 #include "model/ranges.h"
@@ -238,8 +239,14 @@ Recorder::Writer::Writer(const std::string& path, const Scene& scene, const Reco
 }
 
 Status Recorder::Writer::start(const std::string& path) try {
-  thread = std::thread([this] { run(); });
-  syncs = std::thread([this] { run_syncs(); });
+  thread = std::thread([this] {
+    leave_signals_to_others();
+    run();
+  });
+  syncs = std::thread([this] {
+    leave_signals_to_others();
+    run_syncs();
+  });
   return {};
 } catch (const std::exception&) {  // no thread, or no memory for one; the first may run
   stop();
@@ -370,6 +377,7 @@ Recorder::~Recorder() {
 }
 
 Status Recorder::open(const std::string& path, const Scene& scene, const RecorderOptions& options) try {
+  const NoFileSizeSignal guard;
   if (writer_) return Status::error(path + ": the recorder is still open; close it first");
   if (Status status = check_options(scene, options); !status.ok())
     return Status::error(path + ": " + status.message());
@@ -457,6 +465,7 @@ Status Recorder::close() {
   if (leave_to_parent())
     return Status::error("the recording is another process's, of which this one is a fork; close it there");
   if (!writer_) return {};
+  const NoFileSizeSignal guard;
   const std::unique_ptr<Writer> writer = std::move(writer_);
   writer->stop();
   Status status = std::move(writer->first_error);
