@@ -69,6 +69,12 @@ Mechanism mechanism_of(const Moves& given, const SceneObject& object) {
   check(check_weight(mechanism.mobility, given.density, given.mass));
   mechanism.body = mass_of(object.mesh, object.winding, given.density, given.mass);
   mechanism.damping = given.damping;
+  if (!given.pivot.is_none() && mechanism.mobility < Mobility::hinge)
+    throw py::value_error("pivot acts on a hinge, slider or ball only, and this is \"" + given.moves +
+                          "\": leave it out, or let the object move so");
+  if (!given.latch_object && given.latch_opens != 0)
+    throw py::value_error(
+        "latch_opens acts on a latch only: give latch_object, the handle that opens it, too");
   if (moves_by_itself(mechanism))
     mechanism.pivot = given.pivot.is_none() ? object.pose.position : vec3_of(given.pivot, "pivot");
   mechanism.axis = unit_or(vec3_of(given.axis, "axis"), {});

@@ -153,13 +153,14 @@ typedef struct lumbrical_texture {
 } lumbrical_texture;
 
 /* What is touched. Its mesh: either `mesh_file`, whose polygons are cut into triangles and which may not be
- * "-", or one of the two vertex arrays with triangles. */
+ * "-", or one of the two vertex arrays with triangles. What does not act on what moves so is left as
+ * lumbrical_object_init sets it, or refused. */
 typedef struct lumbrical_object {
   uint32_t size;
   int32_t mobility; /* FIXED */
   int32_t
       convention; /* OPENXR: of vertices, pose, pivot and axis. Which way triangles go round stays as it is */
-  int32_t unit;   /* METRE: of mesh_file's numbers */
+  int32_t unit;   /* METRE: of mesh_file's numbers, and of nothing else */
   int32_t winding;  /* AUTOMATIC: closed parts are turned outside out, however they are wound */
   int32_t reserved; /* 0 */
   const char* name; /* "" */
@@ -181,13 +182,14 @@ typedef struct lumbrical_object {
   /* ---- of HINGE, SLIDER and BALL */
   double pivot[3]; /* [m] in W, at the start; not by itself the object's position: 0 0 0 */
   /* ---- of HINGE and SLIDER; the coordinate is the hinge's angle or the slider's way from the start */
-  double axis[3];        /* unit, in W: 0 0 1 */
-  double lower, upper;   /* of the coordinate, -1000 .. 0 and 0 .. 1000: -1000, 1000 */
-  double spring, rest;   /* [N/m], [N m/rad] 0 .. 1e9, and where it is slack, -1000 .. 1000: 0, 0 */
-  double dry_friction;   /* [N], [N m] 0 .. 1e6: 0 */
-  double detent_force;   /* [N], [N m] 0 .. 1e6: 0 */
-  double detent_pitch;   /* from one detent to the next, 1e-6 .. 1000: 0.1 */
-  int32_t has_latch;     /* 0; else of HINGE and SLIDER: the coordinate stays at 0 and below until ... */
+  double axis[3];      /* unit, in W: 0 0 1 */
+  double lower, upper; /* of the coordinate, -1000 .. 0 and 0 .. 1000: -1000, 1000 */
+  double spring, rest; /* [N/m], [N m/rad] 0 .. 1e9, and where it is slack, -1000 .. 1000: 0, 0 */
+  double dry_friction; /* [N], [N m] 0 .. 1e6: 0 */
+  double detent_force; /* [N], [N m] 0 .. 1e6: 0 */
+  double detent_pitch; /* from one detent to the next, 1e-6 .. 1000: 0.1 */
+  int32_t has_latch; /* 0, and so the next two; else of HINGE and SLIDER: the coordinate stays at 0 and below
+                        until ... */
   uint32_t latch_object; /* ... this other HINGE or SLIDER, in the order they are added, ... */
   double latch_opens;    /* ... has this coordinate, 1e-9 .. 1000 */
   /* ---- how it feels beside its shape */

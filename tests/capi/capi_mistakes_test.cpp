@@ -76,6 +76,27 @@ TEST(CApiMistakes, WhatDoesNotActOnWhatMovesSoIsRefusedInAnyAxes) {
   }
 }
 
+TEST(CApiMistakes, WhatActsOnNothingIsRefused) {
+  CSession c;
+  c.create();
+  const auto refuse = [&](const char* told, const auto& edit) {
+    MeshObject ball(ball_scene().objects[0].mesh);
+    edit(ball.object);
+    expect_mistake(lumbrical_scene_add_object(c.scene, &ball.object), told);
+  };
+  for (const std::int32_t mobility : {LUMBRICAL_FIXED, LUMBRICAL_GIVEN, LUMBRICAL_FREE})
+    for (const double x : {0.1, std::nan("")})
+      refuse("object->pivot acts on a hinge, slider or ball only", [&](lumbrical_object& object) {
+        object.mobility = mobility;
+        object.mass = mobility == LUMBRICAL_FREE ? 1 : 0;
+        object.pivot[1] = x;
+      });
+  refuse("set has_latch", [](lumbrical_object& object) { object.latch_opens = 0.5; });
+  refuse("set has_latch", [](lumbrical_object& object) { object.latch_object = 1; });
+  refuse("object->unit is of a mesh_file",
+         [](lumbrical_object& object) { object.unit = LUMBRICAL_MILLIMETRE; });
+}
+
 TEST(CApiMistakes, StructsOfAnotherSizeAreRefused) {
   CSession c(MeshObject(ball_scene().objects[0].mesh).object);
   lumbrical_frame frame = touching_frame_c(0);
@@ -103,7 +124,8 @@ TEST(CApiMistakes, NumbersThatAreNoValueOfTheirEnumerationAreRefused) {
   expect_mistake(lumbrical_session_tick(c.session, &frame, nullptr, 0, &c.output), "frame->kind is 2");
   expect_mistake(lumbrical_scene_create(-1, 0.19, &c.scene), "side is -1");
   MeshObject ball(ball_scene().objects[0].mesh);
-  for (std::int32_t* const field : {&ball.object.mobility, &ball.object.convention, &ball.object.winding}) {
+  for (std::int32_t* const field :
+       {&ball.object.mobility, &ball.object.convention, &ball.object.unit, &ball.object.winding}) {
     *field = 77;
     expect_mistake(lumbrical_scene_add_object(c.scene, &ball.object), "is 77");
     *field = 0;

@@ -164,6 +164,18 @@ def test_what_does_not_act_on_what_moves_so_is_refused(moves, name):
         lum.Model(scene)
 
 
+@pytest.mark.parametrize("moves", ["fixed", "given", "free"])
+def test_a_pivot_of_what_does_not_turn_is_refused(moves):
+    mass = {"mass": 1} if moves == "free" else {}
+    with pytest.raises(ValueError, match=f"pivot acts on a hinge, slider or ball only, and this is \"{moves}\""):
+        lum.Scene().add_object("ball", *lum.make_sphere(0.01, 2), moves=moves, pivot=(0, 0, 0), **mass)
+
+
+def test_a_latch_without_a_handle_is_refused():
+    with pytest.raises(ValueError, match="latch_opens acts on a latch only: give latch_object"):
+        lum.Scene().add_object("door", *lum.make_sphere(0.01, 2), moves="hinge", mass=1, latch_opens=0.5)
+
+
 @pytest.mark.parametrize("mass, density", [(np.nan, 1000), (-1, 1000), (1, np.nan), (1, -1), (1, 1000), (0, 0)])
 def test_a_mass_that_makes_no_sense_is_refused(mass, density):
     with pytest.raises(ValueError, match="density or a mass"):

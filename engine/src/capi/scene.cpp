@@ -45,13 +45,16 @@ Fault refuse_standard_input(const char* path, const char* what) {
 }
 
 Fault take_mesh(const lumbrical_object& given, Convention convention, Mesh& mesh) {
+  Unit unit{};
+  if (Fault fault = check_enum(given.unit, 3, "object->unit", unit)) return fault;
   if (given.mesh_file != nullptr) {
     if (Fault fault = refuse_standard_input(given.mesh_file, "object->mesh_file")) return fault;
     if (given.vertices != nullptr || given.float_vertices != nullptr)
       return bad_argument("the object has a mesh_file and vertices; give one of the two");
-    Unit unit{};
-    if (Fault fault = check_enum(given.unit, 3, "object->unit", unit)) return fault;
     if (Fault fault = load_mesh(given.mesh_file, unit, mesh)) return fault;
+  } else if (unit != Unit::metre) {
+    return bad_argument(
+        "object->unit is of a mesh_file's numbers, and vertices are in the convention's: leave it METRE");
   } else if (Fault fault = take_vertices(given, mesh)) {
     return fault;
   }
@@ -78,10 +81,23 @@ Vec3 axis_of(const lumbrical_object& given, Convention convention, const Mechani
                    to_vec3(given.axis));
 }
 
+// Of what has no joint, or no latch.
+Fault refuse_idle(const lumbrical_object& given, const Mechanism& mechanism) {
+  if (mechanism.mobility < Mobility::hinge && to_vec3(given.pivot) != Vec3{})
+    return bad_argument("object->pivot acts on a hinge, slider or ball only, and this is \"" +
+                        std::string(mobility_name(mechanism.mobility)) +
+                        "\": leave it 0, or let the object move so");
+  if (given.has_latch == 0 && (given.latch_object != 0 || given.latch_opens != 0))
+    return bad_argument(
+        "object->latch_object and latch_opens act on a latch only: set has_latch, or leave them 0");
+  return {};
+}
+
 Fault take_mechanism(const lumbrical_object& given, Convention convention, SceneObject& object) {
   Mechanism& mechanism = object.mechanism;
   const Status weight = check_weight(mechanism.mobility, given.density, given.mass);
   if (!weight.ok()) return {weight, LUMBRICAL_BAD_ARGUMENT};
+  if (Fault fault = refuse_idle(given, mechanism)) return fault;
   if (given.density != 0 || given.mass != 0) {
     if (Fault fault = check_object(object.name, object.mesh, 1)) return fault;
     if (Fault fault = take_mass(given, object.mesh, object.winding, mechanism.body)) return fault;
