@@ -7,6 +7,7 @@
 #include <pybind11/stl.h>
 
 #include <atomic>
+#include <chrono>
 #include <concepts>
 #include <cstdint>
 #include <memory>
@@ -125,6 +126,26 @@ class Busy {
   std::atomic<bool>& flag_;
 };
 
+/// Asks now and then, from a call that has released the GIL, whether Ctrl-C or another signal has come whose
+/// handler raises: then the call ends, and `raise` raises it.
+class Interrupts {
+ public:
+  bool came() {
+    const auto now = std::chrono::steady_clock::now();
+    if (came_ || now - asked_ < std::chrono::milliseconds(50)) return came_;
+    asked_ = now;
+    const py::gil_scoped_acquire acquire;
+    return came_ = PyErr_CheckSignals() != 0;
+  }
+  static void raise() {
+    if (PyErr_Occurred() != nullptr) throw py::error_already_set();
+  }
+
+ private:
+  std::chrono::steady_clock::time_point asked_ = std::chrono::steady_clock::now();
+  bool came_ = false;
+};
+
 /// A view of memory that `owner` keeps alive.
 template <class Struct>
 py::array view_of(const Struct* data, std::vector<py::ssize_t> shape, py::handle owner, bool writable) {
@@ -195,7 +216,9 @@ Value taken(const py::object& given, const char* name, const char* takes) {
   }
 }
 
-struct PyModel : Bound {
+// A session takes it by reference: by a shared pointer pybind11 would refuse one that __new__ has made with
+// a RuntimeError.
+struct PyModel : Bound, std::enable_shared_from_this<PyModel> {
   Model model;
   State start;
 };

@@ -52,12 +52,14 @@ void read_ticks(Recording& self, std::uint64_t first, std::optional<std::uint64_
     status = reader.seek(first);
     TickRecord record;
     bool end = false;
-    while (status.ok()) {
+    Interrupts interrupts;
+    while (status.ok() && !interrupts.came()) {
       status = reader.next(record, end);
       if (!status.ok() || end || (last && record.output.tick >= *last)) break;
       if ((record.output.tick - first) % step == 0) take(record);
     }
   }
+  Interrupts::raise();
   check(status);
 }
 
@@ -143,15 +145,18 @@ ReplayOptions options_of(const std::optional<Path>& world, std::uint32_t threads
   return options;
 }
 
-// What run(result) makes of it while other Python threads go on.
+// What run(options, result) makes of it while other Python threads go on, and signals come through.
 template <class Result, class Run>
-Result found_by(const Run& run) {
+Result found_by(ReplayOptions options, const Run& run) {
   Result result;
   Status status;
+  Interrupts interrupts;
+  options.stop = [&] { return interrupts.came(); };
   {
     const py::gil_scoped_release release;
-    status = run(result);
+    status = run(options, result);
   }
+  Interrupts::raise();
   check(status);
   return result;
 }
@@ -159,9 +164,9 @@ Result found_by(const Run& run) {
 py::dict run_replay(const Path& path, const std::optional<Path>& world, std::uint32_t threads,
                     const std::string& broadphase) {
   using namespace py::literals;
-  const ReplayOptions options = options_of(world, threads, broadphase);
-  const auto result =
-      found_by<ReplayResult>([&](ReplayResult& out) { return replay_hands(path.text, options, out); });
+  const auto result = found_by<ReplayResult>(
+      options_of(world, threads, broadphase),
+      [&](const ReplayOptions& options, ReplayResult& out) { return replay_hands(path.text, options, out); });
   py::object divergence = py::none();
   if (const auto& first = result.first_divergence)
     divergence = py::dict("tick"_a = first->tick, "stage"_a = first->stage, "field"_a = first->field,
@@ -195,11 +200,11 @@ py::dict run_what_if(const Path& path, std::optional<double> stiffness, const st
                      const std::optional<Path>& world, std::uint32_t threads) {
   using namespace py::literals;
   const std::optional<Side> which = side_of(side);
-  ReplayOptions options = options_of(world, threads, "auto");
-  options.stiffness = stiffness;
-  options.precision = precision;
-  if (law) options.law = law_of(*law);
-  const auto result = found_by<WhatIfResult>([&](WhatIfResult& out) {
+  ReplayOptions changed = options_of(world, threads, "auto");
+  changed.stiffness = stiffness;
+  changed.precision = precision;
+  if (law) changed.law = law_of(*law);
+  const auto result = found_by<WhatIfResult>(changed, [&](const ReplayOptions& options, WhatIfResult& out) {
     RecordingReader reader;
     Status status = open_one_hand(path.text, which, reader);
     return status.ok() ? what_if(reader, options, out) : status;

@@ -105,11 +105,15 @@ Texture texture_of(const py::object& given, const char* name) {
   const auto shape = py::array::ensure(image);
   if (greys.empty() || greys.size() > kMostTexels)
     throw py::value_error(std::string(name) + " has no texels, or more than 4194304");
+  const auto number = [&](std::size_t i) {
+    return taken<double>(parts[i], name,
+                         "(image, period, black, white), of which the last three are numbers");
+  };
   Texture texture{
       {static_cast<std::uint32_t>(shape.shape(1)), static_cast<std::uint32_t>(shape.shape(0)), {}},
-      parts[1].cast<double>(),
-      parts[2].cast<double>(),
-      parts[3].cast<double>()};
+      number(1),
+      number(2),
+      number(3)};
   for (const double grey : greys) {
     if (!(grey >= 0 && grey <= 1))
       throw py::value_error(std::string(name) + " has a grey that is not 0 to 1");

@@ -12,8 +12,8 @@ namespace {
 
 class Session : public Bound {
  public:
-  explicit Session(std::shared_ptr<PyModel> model)
-      : model_(std::move(model)), state(model_->start), scratch(make_scratch(model_->model)) {
+  explicit Session(PyModel& model)
+      : model_(model.shared_from_this()), state(model_->start), scratch(make_scratch(model_->model)) {
     scratch.hash_stages = false;
   }
   [[nodiscard]] const Model& model() const { return model_->model; }
@@ -86,20 +86,28 @@ void warn(const std::string& text) {
     throw py::error_already_set();
 }
 
+// While other Python threads go on. A signal ends it between two ticks, of which the first ones are done.
+void run_unlocked(Session& self, const std::vector<DeviceFrame>& frames,
+                  const std::vector<ObjectFrame>& given, std::vector<ActuatorFrame>& outputs) {
+  const std::size_t per_tick = frames.empty() ? 0 : given.size() / frames.size();
+  const py::gil_scoped_release release;
+  Interrupts interrupts;
+  for (std::size_t i = 0; i < frames.size() && !interrupts.came(); ++i) {
+    const auto now = std::span(given).subspan(i * per_tick, per_tick);
+    outputs[i] = self.recorder ? recorded_tick(self, frames[i], now)
+                               : tick(self.model(), self.state, self.scratch, frames[i], now);
+    self.ticked = true;
+  }
+}
+
 py::array run_frames(Session& self, const std::vector<DeviceFrame>& frames, const py::object& given_poses) {
   const std::vector<ObjectFrame> given = given_of(given_poses, self.model(), frames.size());
-  const std::size_t per_tick = frames.empty() ? 0 : given.size() / frames.size();
   std::vector<ActuatorFrame> outputs(frames.size());
   std::string news;
   {
     const Busy busy(self.busy);
-    const py::gil_scoped_release release;
-    for (std::size_t i = 0; i < frames.size(); ++i) {
-      const auto now = std::span(given).subspan(i * per_tick, per_tick);
-      outputs[i] = self.recorder ? recorded_tick(self, frames[i], now)
-                                 : tick(self.model(), self.state, self.scratch, frames[i], now);
-      self.ticked = true;
-    }
+    run_unlocked(self, frames, given, outputs);
+    Interrupts::raise();
     news = news_of(self);
   }
   warn(news);
@@ -203,9 +211,10 @@ void restore(Session& self, const py::object& given) {
 
 /// Many hands on one model that have nothing to do with each other.
 struct Batch : Bound {
-  Batch(std::shared_ptr<PyModel> model_, std::size_t count) : model(std::move(model_)) {
+  Batch(PyModel& model_, std::size_t count) : model(model_.shared_from_this()) {
     if (count > kMostHands)
       throw py::value_error("count is out of range: give 0 to " + std::to_string(kMostHands));
+    const py::gil_scoped_release release;
     states.assign(count, model->start);
   }
   static constexpr std::size_t kMostHands = 0xffffffff;
@@ -240,7 +249,7 @@ void bind_session(py::module_& module) {
       .def_property_readonly("hash", &hash_state);
 
   py::class_<Session>(module, "Session")
-      .def(py::init<std::shared_ptr<PyModel>>(), py::arg("model").none(false))
+      .def(py::init<PyModel&>(), "model"_a)
       .def("tick", &run_one, "frame"_a, "given"_a = py::none())
       .def("run", &run, "frames"_a, "given"_a = py::none())
       .def("contacts", &contacts)
@@ -265,7 +274,7 @@ void bind_session(py::module_& module) {
       .def("stop_recording", &stop_recording);
 
   py::class_<Batch>(module, "Batch")
-      .def(py::init<std::shared_ptr<PyModel>, std::size_t>(), py::arg("model").none(false), "count"_a)
+      .def(py::init<PyModel&, std::size_t>(), "model"_a, "count"_a)
       .def("tick", &run_batch, "frames"_a, "threads"_a = 0u)
       .def("__len__", [](const Batch& self) { return self.states.size(); });
   module.def("core_count", &core_count);

@@ -1,6 +1,7 @@
 """The Python module as people misuse it."""
 import os
 import resource
+import signal
 import threading
 import time
 
@@ -274,6 +275,7 @@ def test_a_path_with_a_nul_is_refused(tmp_path):
     lambda: lum.Session.__new__(lum.Session).tick(touching_frames(1)), lambda: lum.Session.__new__(lum.Session).joints,
     lambda: lum.Scene.__new__(lum.Scene).rate, lambda: lum.Scene.__new__(lum.Scene).radii,
     lambda: lum.Model(lum.Scene.__new__(lum.Scene)), lambda: lum.Model.__new__(lum.Model).rate,
+    lambda: lum.Session(lum.Model.__new__(lum.Model)), lambda: lum.Batch(lum.Model.__new__(lum.Model), 1),
     lambda: len(lum.Batch.__new__(lum.Batch)), lambda: lum.Recording.__new__(lum.Recording).read(),
     lambda: lum.State.__new__(lum.State).tick,
 ])
@@ -308,6 +310,48 @@ def test_a_recording_begins_with_the_first_tick(tmp_path, session):
         session.record(str(tmp_path / "late.mcap"))
     with pytest.raises(RuntimeError, match="not recorded"):
         session.stop_recording()
+
+
+@pytest.mark.parametrize("part", [1, 2, 3])
+def test_a_texture_of_other_types_is_a_type_error(part):
+    grip = [np.ones((2, 2)), 0.1, 0, 1]
+    grip[part] = "x"
+    with pytest.raises(TypeError, match="grip takes"):
+        lum.Scene().add_object("ball", *lum.make_sphere(0.01, 2), friction=0.5, grip=tuple(grip))
+
+
+def interrupted(call):
+    """How long `call` went on after Ctrl-C [s]."""
+    pressed = []
+
+    def press():
+        pressed.append(time.monotonic())
+        os.kill(os.getpid(), signal.SIGINT)
+
+    timer = threading.Timer(0.2, press)
+    timer.start()
+    with pytest.raises(KeyboardInterrupt):
+        call()
+    timer.join()
+    return time.monotonic() - pressed[0]
+
+
+def test_ctrl_c_ends_long_calls(tmp_path, session):
+    path = tmp_path / "long.mcap"
+    session.record(path)
+    frames = np.repeat(touching_frames(61)[-1:], 200_000)
+    interrupted(lambda: session.run(frames))
+    done = session.state.tick
+    assert 0 < done < len(frames), "between two ticks"
+    while session.state.tick < 20_000:
+        session.run(frames[:5000])
+    assert session.stop_recording() == session.state.tick
+    began = time.monotonic()
+    lum.replay(path)
+    whole = time.monotonic() - began
+    for call in (lum.replay, lambda path: lum.what_if(path, stiffness=1e7)):
+        assert interrupted(lambda: call(path)) < 0.5 * whole
+    assert lum.Session(lum.Model(ball_scene())).run(frames[:3]).shape == (3,)
 
 
 def test_threads_that_meet_in_a_session_are_told_and_others_run_on(session):
