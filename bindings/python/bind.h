@@ -169,6 +169,11 @@ inline bool is_row(const py::handle& given) {
   return py::isinstance(given, py::module_::import("numpy").attr("void"));
 }
 
+/// Whose masked places would be taken for what lies under them.
+inline bool is_masked(const py::handle& given) {
+  return py::isinstance(given, py::module_::import("numpy").attr("ma").attr("MaskedArray"));
+}
+
 /// Rows of a structured array of that dtype, of any shape, or one row by itself. Copied: nobody can change
 /// them meanwhile.
 template <class Struct>
@@ -176,6 +181,7 @@ std::vector<Struct> rows_of(const py::handle& given, const std::string& name, co
   const py::dtype wanted = dtype_of<Struct>();
   if (!(py::isinstance<py::array>(given) || is_row(given)) || !py::object(given.attr("dtype")).equal(wanted))
     throw py::type_error(name + " is not an array of lumbrical." + dtype_name);
+  if (is_masked(given)) throw py::type_error(name + " is a masked array; give its data");
   const auto array = py::array::ensure(given, py::array::c_style);
   if (!array) throw std::bad_alloc();
   std::vector<Struct> rows(static_cast<std::size_t>(array.size()));
@@ -186,7 +192,8 @@ std::vector<Struct> rows_of(const py::handle& given, const std::string& name, co
 /// Frames with a kind that is one.
 std::vector<DeviceFrame> frames_of(const py::handle& given);
 
-/// Numbers of this shape (-1: any), converted to Number if need be; none of them NaN or infinite.
+/// Numbers of this shape (-1: any), converted to Number if need be; none of them NaN or infinite. No text,
+/// dates or complex numbers, which NumPy would convert, too.
 template <class Number>
 std::vector<Number> numbers_of(const py::handle& given, std::vector<py::ssize_t> shape, const char* name);
 

@@ -1,4 +1,7 @@
 // The Python module: dtypes, meshes, and what is asked of them without a session.
+#include <optional>
+#include <string_view>
+
 #include "bind.h"
 #include "lumbrical/probe.h"
 #include "lumbrical/shapes.h"
@@ -172,14 +175,27 @@ std::vector<DeviceFrame> frames_of(const py::handle& given) {
   return frames;
 }
 
+namespace {
+
+// None where NumPy makes no array of it, or one of text, dates, complex numbers or objects.
+std::optional<py::array> real_numbers(const py::handle& given) {
+  constexpr std::string_view kKinds = "biuf";
+  const auto array = py::array::ensure(given);
+  if (!array) PyErr_Clear();
+  if (!array || is_masked(given) || kKinds.find(array.dtype().kind()) == std::string_view::npos)
+    return std::nullopt;
+  return array;
+}
+
+}  // namespace
+
 template <class Number>
 std::vector<Number> numbers_of(const py::handle& given, std::vector<py::ssize_t> shape, const char* name) {
   if (given.is_none()) throw py::type_error(std::string(name) + " is None");
-  const auto array = py::array_t<Number, py::array::c_style | py::array::forcecast>::ensure(given);
-  if (!array) {
-    PyErr_Clear();
-    throw py::type_error(std::string(name) + " is not an array of numbers");
-  }
+  const std::optional<py::array> real = real_numbers(given);
+  if (!real) throw py::type_error(std::string(name) + " is not an array of real numbers, with none masked");
+  const auto array = py::array_t<Number, py::array::c_style | py::array::forcecast>::ensure(*real);
+  if (!array) throw std::bad_alloc();
   bool fits = array.ndim() == static_cast<py::ssize_t>(shape.size());
   for (std::size_t i = 0; fits && i < shape.size(); ++i)
     fits = shape[i] < 0 || shape[i] == array.shape(static_cast<py::ssize_t>(i));
@@ -204,7 +220,10 @@ Vec3 vec3_of(const py::handle& given, const char* name) {
 Pose pose_of(const py::handle& position, const py::handle& orientation) {
   const auto q = numbers_of<double>(orientation, {4}, "orientation");
   const Quat rotation{q[0], q[1], q[2], q[3]};
-  if (!(dot(rotation, rotation) > 1e-12)) throw py::value_error("orientation is a zero quaternion");
+  const double square = dot(rotation, rotation);
+  if (!(square > 1e-12 && is_finite(square)))
+    throw py::value_error(
+        "orientation is no quaternion that can be made one of length 1: it is zero, or too long");
   return {vec3_of(position, "position"), normalized(rotation)};
 }
 

@@ -68,10 +68,60 @@ def test_a_tick_of_several_frames_is_refused_before_it_is_done(session):
         session.tick(np.zeros(1, dtype=lum.pose_dtype)[0])
 
 
-@pytest.mark.parametrize("valid", [0.5, 3.0, True, "3", None])
+POSES = np.zeros((26, 3)), np.tile([0, 0, 0, 1], (26, 1))
+
+
+@pytest.mark.parametrize("valid", [0.5, 3.0, True, "3", None, np.ma.array([1, 2], mask=[1, 0])])
 def test_a_mask_of_joints_that_is_no_whole_number_is_refused(valid):
     with pytest.raises(TypeError, match="valid is a whole number"):
-        lum.pose_frames(np.zeros((26, 3)), np.tile([0, 0, 0, 1], (26, 1)), valid=valid)
+        lum.pose_frames(*POSES, valid=valid)
+
+
+@pytest.mark.parametrize("valid", [-1, 2**26, 2**32 + 1, 2**64, [1, 2**40 + 3], np.array([-1]), [[1, 2]]])
+def test_a_mask_of_other_joints_than_there_are_is_refused(valid):
+    with pytest.raises(ValueError, match="valid"):
+        lum.pose_frames(*POSES, valid=valid)
+
+
+def test_a_mask_is_for_all_frames_or_for_each():
+    assert list(lum.pose_frames(*POSES, valid=[1, 2, 3])["valid"]) == [1, 2, 3]
+    assert list(lum.pose_frames(*(p[None].repeat(2, 0) for p in POSES), valid=5)["valid"]) == [5, 5]
+    with pytest.raises(ValueError, match="lengths"):
+        lum.pose_frames(*(p[None].repeat(2, 0) for p in POSES), valid=[1, 2, 3])
+
+
+@pytest.mark.parametrize("make", [
+    lambda: lum.angle_frames(np.full(20, 1e39)), lambda: lum.pose_frames(np.full((26, 3), -1e39), POSES[1]),
+    lambda: lum.pose_frames(POSES[0], np.full((26, 4), 1e300)),
+])
+def test_no_frame_is_made_of_what_single_precision_does_not_hold(make):
+    with pytest.raises(ValueError, match="too large for float32"):
+        make()
+
+
+NO_NUMBERS = [np.full(3, "1"), ["1", "2", "3"], np.full(3, 1 + 1j), np.full(3, "2020-01-01", dtype="M8[s]"), [None] * 3,
+              np.ma.array([1.0, 2.0, 3.0], mask=[1, 0, 0]), np.array([1, "2", 3], dtype=object)]
+
+
+@pytest.mark.parametrize("wrong", NO_NUMBERS)
+def test_what_numpy_would_make_numbers_of_is_refused(wrong):
+    ball = lum.make_sphere(0.04, 2)
+    for take in (lambda: lum.Scene().add_object("ball", *ball, position=wrong),
+                 lambda: lum.Scene().add_object("ball", [wrong] if isinstance(wrong, list) else wrong[None], ball[1]),
+                 lambda: lum.Ground(normal=wrong), lambda: lum.angle_frames(np.zeros(20), position=wrong)):
+        with pytest.raises(TypeError, match="real numbers"):
+            take()
+
+
+def test_masked_frames_are_refused(session):
+    with pytest.raises(TypeError, match="frames is a masked array"):
+        session.run(np.ma.masked_array(touching_frames(1)))
+
+
+@pytest.mark.parametrize("length", [0, 1e-9, 1e200])
+def test_an_orientation_that_has_no_length_is_refused(length):
+    with pytest.raises(ValueError, match="orientation is no quaternion"):
+        lum.Scene().add_object("ball", *lum.make_sphere(0.04, 2), orientation=(0, 0, length, length))
 
 
 def test_strided_and_empty_frames_are_frames(session):
