@@ -17,7 +17,7 @@ using Triangle = std::array<std::uint32_t, 3>;  ///< vertex indices, counter-clo
 
 struct Mesh {
   std::vector<Vec3> vertices;       ///< [m]
-  std::vector<Triangle> triangles;  ///< in the file's order; polygons become fans from their first corner
+  std::vector<Triangle> triangles;  ///< in the file's order; polygons become fans of their first corner
 };
 
 enum class Unit : std::uint8_t { metre, centimetre, millimetre };
@@ -31,10 +31,10 @@ double metres_per(Unit unit);
 /// and the file name second. All groups, solids or nodes of a file are one mesh; those of glTF stand where
 /// the file's scene puts them. Vertices of STL files at exactly the same position are merged (-0 equals +0).
 /// Triangles keep the order of the file and none is dropped, not even a degenerate one, but for those that
-/// only join strips. "-" is standard input. At most 8 GiB, 2^32 - 2 vertices and 2^31 - 1 triangles; at least
-/// one triangle. `unit` is the unit of the file's numbers; the mesh is in metres and all its coordinates are
-/// finite. On error `mesh` is unchanged and the message starts with "path:line:column:" or "path: byte N:"
-/// (from 0), or with "path:" alone where the fault has no place in the file.
+/// only join strips. Concave polygons that a fan folds over are cut into ears. "-" is standard input.
+/// At most 8 GiB, 2^32 - 2 vertices and 2^31 - 1 triangles, one at least. `unit` is the file's; the mesh is
+/// in metres, all coordinates are finite. On error `mesh` is unchanged and the message starts with
+/// "path:line:column:" or "path: byte N:" (from 0), or with "path:" alone where there is no place.
 Status load_mesh(const std::string& path, Unit unit, Mesh& mesh);
 
 /// Of vertices that are numbers of this unit: what load_mesh makes of them.

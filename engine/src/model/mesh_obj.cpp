@@ -4,6 +4,7 @@
 
 #include "base/text_cursor.h"
 #include "model/mesh_formats.h"
+#include "model/polygons.h"
 
 namespace lumbrical {
 namespace {
@@ -20,6 +21,7 @@ struct ObjReader {
   Mesh& mesh;
   std::vector<std::uint32_t> polygon;                // of the current face
   std::vector<ForwardReference> forward_references;  // each larger than the one before
+  PolygonCutter polygons;
 };
 
 Status out_of_range(const ObjReader& reader, TextPlace place, std::int64_t index) {
@@ -80,7 +82,7 @@ Status read_face(ObjReader& reader) {
                       "a face needs at least 3 corners, this one has " +
                           std::to_string(reader.polygon.size()) + "; delete or repair the face");
   }
-  append_fan(reader.polygon, reader.mesh);
+  reader.polygons.append(reader.polygon, place.line);
   return {};
 }
 
@@ -97,8 +99,8 @@ Status check_forward_references(const ObjReader& reader) {
 }  // namespace
 
 Status parse_obj(std::string_view content, const std::string& name, Mesh& mesh) {
-  ObjReader reader{
-      TextCursor(content, {.hash_comments = true, .backslash_continues = true}), name, mesh, {}, {}};
+  const TextRules rules{.hash_comments = true, .backslash_continues = true};
+  ObjReader reader{TextCursor(content, rules), name, mesh, {}, {}, PolygonCutter(mesh)};
   while (reader.cursor.next_line()) {
     const std::string_view keyword = reader.cursor.word();
     Status status;
@@ -106,7 +108,9 @@ Status parse_obj(std::string_view content, const std::string& name, Mesh& mesh) 
     if (keyword == "f" || keyword == "fo") status = read_face(reader);  // fo is the old spelling
     if (!status.ok()) return status;
   }
-  return check_forward_references(reader);
+  if (Status status = check_forward_references(reader); !status.ok()) return status;
+  if (const auto line = reader.polygons.finish()) return text_error(name, {*line, 1}, kTooConcave);
+  return {};
 }
 
 }  // namespace lumbrical

@@ -3,6 +3,7 @@
 
 #include "base/text_cursor.h"
 #include "model/mesh_formats.h"
+#include "model/polygons.h"
 
 namespace lumbrical {
 namespace {
@@ -21,6 +22,7 @@ struct OffReader {
   TextCursor cursor;
   const std::string& name;
   Mesh& mesh;
+  PolygonCutter polygons;
   std::size_t vertex_count = 0;
   std::size_t face_count = 0;
 };
@@ -103,7 +105,7 @@ Status read_face(OffReader& reader, std::vector<std::uint32_t>& polygon) {
     }
     polygon.push_back(static_cast<std::uint32_t>(index));
   }
-  append_fan(polygon, reader.mesh);
+  reader.polygons.append(polygon, cursor.place().line);
   return {};
 }
 
@@ -115,7 +117,7 @@ bool is_off_keyword(std::string_view word) {
 }
 
 Status parse_off(std::string_view content, const std::string& name, Mesh& mesh) {
-  OffReader reader{TextCursor(content, {.hash_comments = true}), name, mesh};
+  OffReader reader{TextCursor(content, {.hash_comments = true}), name, mesh, PolygonCutter(mesh)};
   if (Status status = read_header(reader); !status.ok()) return status;
   mesh.vertices.resize(reader.vertex_count);
   for (std::size_t i = 0; i < reader.vertex_count; ++i) {
@@ -133,6 +135,7 @@ Status parse_off(std::string_view content, const std::string& name, Mesh& mesh) 
                       "more follows than the " + std::to_string(reader.face_count) +
                           " faces the header counts; export it again");
   }
+  if (const auto line = reader.polygons.finish()) return text_error(name, {*line, 1}, kTooConcave);
   return {};
 }
 

@@ -6,6 +6,7 @@
 #include "base/text_cursor.h"
 #include "model/mesh_formats.h"
 #include "model/ply_header.h"
+#include "model/polygons.h"
 
 namespace lumbrical {
 namespace {
@@ -36,6 +37,9 @@ struct BodyReader {
                                             : byte_error(name, value_at, what);
     return false;
   }
+
+  /// The line, or the byte of the last value.
+  std::size_t place() const { return encoding == PlyEncoding::ascii ? cursor.place().line : value_at; }
 };
 
 double decode(PlyType type, std::uint64_t raw) {
@@ -190,7 +194,8 @@ std::size_t smallest_size(PlyEncoding encoding, const PlyElement& element) {
   return size;
 }
 
-bool read_rows(BodyReader& body, const PlyElement& element, std::size_t vertex_count, Mesh& mesh) {
+bool read_rows(BodyReader& body, const PlyElement& element, std::size_t vertex_count, Mesh& mesh,
+               PolygonCutter& polygons) {
   const std::size_t size = smallest_size(body.encoding, element);
   if (size == 0) return true;  // no properties, no bytes
   body.value_at = body.at;
@@ -211,7 +216,7 @@ bool read_rows(BodyReader& body, const PlyElement& element, std::size_t vertex_c
     }
     if (!end_row(body, element)) return false;
     if (is_vertex) mesh.vertices.push_back(row.point);
-    if (is_face) append_fan(row.polygon, mesh);
+    if (is_face) polygons.append(row.polygon, body.place());
     if (is_strip) append_strips(row.polygon, mesh);
   }
   return true;
@@ -233,11 +238,15 @@ Status parse_ply(std::string_view content, const std::string& name, Mesh& mesh) 
   if (Status status = read_ply_header(cursor, name, header); !status.ok()) return status;
   const std::size_t data = ply_data_offset(content, cursor.offset());
   BodyReader body{content, name, header.encoding, cursor, data, data, {}};
+  PolygonCutter polygons(mesh);
   for (const PlyElement& element : header.elements) {
-    if (!read_rows(body, element, header.vertex_count, mesh)) return body.status;
+    if (!read_rows(body, element, header.vertex_count, mesh, polygons)) return body.status;
   }
-  check_end(body);
-  return body.status;
+  if (!check_end(body)) return body.status;
+  const auto refused = polygons.finish();
+  if (!refused) return {};
+  return body.encoding == PlyEncoding::ascii ? text_error(name, {*refused, 1}, kTooConcave)
+                                             : byte_error(name, *refused, kTooConcave);
 }
 
 }  // namespace lumbrical
