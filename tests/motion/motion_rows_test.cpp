@@ -78,6 +78,58 @@ TEST(LandmarkMotion, TakesARowOfOnePointForALostHand) {
   EXPECT_EQ(motion.samples[1].frame.joint, motion.samples[0].frame.joint);
 }
 
+// As programs write tables: `cell` in each of the 63 columns of points.
+std::string row_of_cells(const std::string& cell) {
+  std::string row = cell;
+  for (int i = 1; i < 63; ++i) row += "," + cell;
+  return row;
+}
+
+TEST(LandmarkMotion, TakesARowOfBlankCellsOrOfNanForALostHand) {
+  const std::string row = landmark_row(bent_hand(Side::right, 0.3));
+  MotionOptions options;
+  options.rate = 10;
+  for (const char* const cell : {"", " ", "nan", "NaN", "-nan"}) {
+    SCOPED_TRACE(cell);
+    const std::string lost = row_of_cells(cell);
+    for (const std::string& file : {lost + "\n" + row + "\n" + lost + "\r\n" + row,
+                                    landmark_header(false) + lost + "\n" + row + "\n" + lost + "\n" + row}) {
+      const Motion motion = parse_good(file, options);
+      ASSERT_EQ(motion.samples.size(), 4u);
+      EXPECT_EQ(motion.samples[0].frame.flags, std::uint32_t{kTrackingLost});
+      EXPECT_EQ(motion.samples[2].frame.flags, std::uint32_t{kTrackingLost});
+      EXPECT_EQ(motion.samples[3].frame.flags, 0u);
+      EXPECT_EQ(motion.samples[3].time, 0.3);
+    }
+    EXPECT_EQ(parse_good(row + "\n" + lost).samples.size(), 2u) << "without a line's end";
+    const Motion timed =
+        parse_good(landmark_header(true) + "0.1," + row + "\n0.2," + lost + "\n0.4," + row + "\n");
+    ASSERT_EQ(timed.samples.size(), 3u);
+    EXPECT_EQ(timed.samples[1].frame.flags, std::uint32_t{kTrackingLost});
+    EXPECT_DOUBLE_EQ(timed.samples[2].time, 0.3);
+  }
+  expect_refused(landmark_header(true) + "nan," + row, "file:2:1: 'nan' is not finite");
+  expect_refused(landmark_header(true) + "0.2,,,", "file:2:1: found 1 columns instead of 64");
+  expect_refused(row + "\n,,,\n", "file:2:1: found 0 columns instead of 63");
+}
+
+TEST(LandmarkMotion, ARowWithoutEvenATimeIsNoFrame) {
+  const std::string row = landmark_row(bent_hand(Side::right, 0.3));
+  const std::string blank = "," + row_of_cells("") + "\n";
+  EXPECT_EQ(parse_good(landmark_header(true) + "1," + row + "\n" + blank + "2," + row + "\n" + blank)
+                .samples.size(),
+            2u);
+}
+
+TEST(LandmarkMotion, AFirstRowThatHoldsNumbersIsNoHeader) {
+  const std::string row = landmark_row(bent_hand(Side::right, 0.3));
+  expect_refused("broken" + row.substr(row.find(',')) + "\n" + row,
+                 "file:1:1: 'broken' is not a number; remove the line or correct it");
+  std::string numbered = "time";
+  for (int i = 0; i < 63; ++i) numbered += "," + std::to_string(i);
+  EXPECT_EQ(parse_good(numbered + "\n1," + row + "\n2," + row).samples.size(), 2u);
+}
+
 TEST(LandmarkMotion, ReportsTheLineAndColumnOfWhatIsNoNumber) {
   const std::string row = landmark_row(bent_hand(Side::right, 0.3));
   const std::string first = row.substr(0, row.find(','));

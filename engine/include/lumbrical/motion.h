@@ -54,8 +54,8 @@ struct MotionOptions {
 ///   next hand of the same side; Motion::other_frames tells of others.
 /// - landmarks: CSV of 21 points in MediaPipe's order, 63 columns x0,y0,z0,x1..., with or without a header
 ///   line; a leading 64th column of seconds if the header names it `time`, `timestamp` or `t`, in capitals,
-///   quotes or with the unit [s] or (s) behind it as well. A frame whose points all coincide is
-///   kTrackingLost.
+///   quotes or with the unit [s] or (s) behind it as well. A frame whose points all coincide, or whose
+///   cells are all blank or all `nan`, is kTrackingLost.
 /// - bvh: a skeleton (`HIERARCHY`) and its frames (`MOTION`). Of its joints those below a joint named after a
 ///   finger (thumb, index, middle, ring, little or pinky; of the side that names tell: "RightHandIndex1",
 ///   "index_01_r", "rIndex1") are the hand's, the nearest joint they all hang on is the wrist. Two hands

@@ -27,7 +27,7 @@ struct TextPlace {
 struct TextRules {
   bool hash_comments = false;        ///< '#' at the start of a word hides the rest of the line
   bool backslash_continues = false;  ///< a backslash right before a line end joins the two lines
-  bool commas_separate = false;      ///< as blanks do
+  bool commas_separate = false;      ///< as blanks do; a line of nothing else is one without words, not none
 };
 
 /// Words are separated by blanks; lines end with LF, CR LF or CR. A byte order mark at the start is skipped.
@@ -43,8 +43,10 @@ class TextCursor {
     if (started_) skip_line();
     started_ = true;
     for (;;) {
+      const std::size_t before = at_;
       skip_blanks();
       word_at_ = at_;
+      if (rules_.commas_separate && text_.substr(before, at_ - before).find(',') != text_.npos) return true;
       if (at_ == text_.size()) return false;
       if (!is_line_end(text_[at_])) return true;
       take_line_end();
@@ -71,6 +73,11 @@ class TextCursor {
 
   void skip_line() {
     while (!word().empty()) continue;
+  }
+
+  /// All of the current line.
+  std::string_view line() const {
+    return text_.substr(line_start_, text_.find_first_of("\r\n", line_start_) - line_start_);
   }
 
   /// Where the last word began, or where one was looked for in vain.

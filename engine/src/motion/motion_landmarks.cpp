@@ -1,4 +1,7 @@
 // CSV of 21 hand landmarks per line in MediaPipe's order, with or without a header and a leading time column.
+#include <algorithm>
+#include <array>
+
 #include "motion/motion_formats.h"
 #include "motion/motion_points.h"
 
@@ -22,36 +25,56 @@ std::size_t count_words(TextCursor line) {
   return count;
 }
 
+// The number that is none, "nan", is one here.
 bool is_number(std::string_view word) {
-  double ignored = 0;
-  return read_finite(word, ignored) == nullptr;
+  double value = 0;
+  return read_finite(word, value) == nullptr || !std::isfinite(value);
 }
 
-// One line's numbers: time, if there is one, then the points.
+bool is_nan(std::string_view word) {
+  double value = 0;
+  return read_finite(word, value) != nullptr && std::isnan(value);
+}
+
+// Programs that write tables leave all cells of a frame without a hand blank, or write "nan" into them.
+bool shows_no_hand(TextCursor row, std::size_t time_count, std::size_t expected) {
+  const std::string_view line = row.line();
+  const auto commas = static_cast<std::size_t>(std::count(line.begin(), line.end(), ','));
+  if (count_words(row) == time_count && commas + 1 >= expected) return true;
+  if (count_words(row) != expected) return false;
+  for (std::size_t i = 0; i < expected; ++i) {
+    const std::string_view word = row.word();
+    if (i >= time_count && !is_nan(word)) return false;
+  }
+  return true;
+}
+
+// One line's numbers: time, if there is one, then the points, all of them zero where the row shows no hand.
 Status read_row(TextCursor& cursor, const std::string& name, bool has_time, double unit, double& time,
                 std::array<Vec3, kLandmarkCount>& points) {
-  const std::size_t expected = kCoordinateCount + (has_time ? 1 : 0), found = count_words(cursor);
-  if (found != expected) {
+  const std::size_t time_count = has_time ? 1 : 0, expected = kCoordinateCount + time_count;
+  const bool lost = shows_no_hand(cursor, time_count, expected);
+  if (const std::size_t found = count_words(cursor); found != expected && !lost) {
     return text_error(
         name, {cursor.place().line, 1},
         "found " + std::to_string(found) + " columns instead of " + std::to_string(expected) +
             " (21 points, and a time in seconds only if the header begins with time, timestamp or t)");
   }
   std::array<double, kCoordinateCount> value{};
-  for (std::size_t i = 0; i < expected; ++i) {
+  for (std::size_t i = 0; i < (lost ? time_count : expected); ++i) {
     const std::string_view word = cursor.word();
     double number = 0;
     if (const char* const fault = read_finite(word, number))
       return text_error(name, cursor.place(),
                         in_quotes(word) + " " + fault + "; remove the line or correct it");
-    if (has_time && i == 0) {
+    if (i < time_count) {
       time = number;
       continue;
     }
     number *= unit;
     if (!(std::fabs(number) <= kFarthest))
       return text_error(name, cursor.place(), "the point lies more than 10 km away; set the file's unit");
-    value[has_time ? i - 1 : i] = number;
+    value[i - time_count] = number;
   }
   for (std::size_t i = 0; i < kLandmarkCount; ++i)
     points[i] = {value[3 * i], value[3 * i + 1], value[3 * i + 2]};
@@ -92,6 +115,15 @@ bool names_time(TextCursor header) {
   return false;
 }
 
+// Words, none of which is a number; but columns may be numbered behind a time.
+bool is_header(TextCursor row) {
+  if (is_number(TextCursor(row).word())) return false;
+  if (names_time(row)) return true;
+  for (std::string_view word = row.word(); !word.empty(); word = row.word())
+    if (is_number(word)) return false;
+  return true;
+}
+
 }  // namespace
 
 Status parse_landmarks(std::string_view content, const std::string& name, const MotionOptions& options,
@@ -105,16 +137,17 @@ Status parse_landmarks(std::string_view content, const std::string& name, const 
   std::vector<HandPoints> frames;
   std::size_t row_count = 0;
   for (bool is_first = true; cursor.next_line(); is_first = false) {
-    TextCursor head = cursor;
-    if (is_first && !is_number(head.word())) {
-      if (count_words(cursor) < kCoordinateCount) {
+    const std::size_t word_count = count_words(cursor);
+    if (is_first && word_count > 0 && !is_number(TextCursor(cursor).word())) {
+      if (word_count < kCoordinateCount) {
         return text_error(name, {cursor.place().line, 1},
                           "neither JSON, BVH nor a CSV of 21 landmarks; LZ-compressed LeapJS recordings must "
                           "be saved uncompressed");
       }
       has_time = names_time(cursor);
-      continue;
+      if (is_header(cursor)) continue;
     }
+    if (has_time && word_count == 0) continue;  // no frame: spreadsheets end so
     const std::size_t row = row_count++;
     double time = static_cast<double>(row) / options.rate;
     std::array<Vec3, kLandmarkCount> points;
