@@ -155,6 +155,100 @@ TEST(MeshGltf, PutsPartsOfManyBuffersAndLayoutsTogether) {
   }
 }
 
+TEST(MeshGltf, RefusesWhatItRequiresAndIsNotRead) {
+  const std::string nodes = R"([{"mesh":0}])";
+  const auto requiring = [&](const std::string& extension) {
+    return glb(gltf_json(nodes, "", R"(,"extensionsRequired":["KHR_materials_unlit",")" + extension + "\"]"),
+               gltf_buffer());
+  };
+  for (const char* const harmless : {"KHR_mesh_quantization", "KHR_materials_unlit", "KHR_texture_basisu",
+                                     "KHR_lights_punctual", "EXT_texture_webp"}) {
+    SCOPED_TRACE(harmless);
+    expect_tetrahedron(parsed(requiring(harmless), "a.glb"));
+  }
+  for (const char* const other : {"XX_geometry", "KHR_node_visibility", "KHR_mesh_quantization_2", ""})
+    expect_refusal(requiring(other), "a.glb", "a.glb: it requires the extension '" + std::string(other) + "'",
+                   "export without it");
+  expect_refusal(glb(gltf_json(nodes, "", R"(,"extensionsRequired":[1])"), gltf_buffer()), "a.glb",
+                 "a.glb: ", "structure");
+  expect_tetrahedron(
+      parsed(glb(gltf_json(nodes, "", R"(,"extensionsUsed":["XX_geometry"])"), gltf_buffer()), "a.glb"));
+}
+
+TEST(MeshGltf, RefusesInstancesAndCompressionWhereTheyAreUsed) {
+  const std::string json = gltf_json(R"([{"mesh":0}])");
+  const struct {
+    const char *from, *to, *what;
+  } cases[] = {
+      {R"({"mesh":0})", R"({"mesh":0,"extensions":{"EXT_mesh_gpu_instancing":{}}})", "without instancing"},
+      {R"({"buffer":0,)", R"({"extensions":{"KHR_meshopt_compression":{}},"buffer":1,)", "by meshopt"},
+      {R"({"buffer":0,)", R"({"extensions":{"EXT_meshopt_compression":{}},"buffer":1,)", "by meshopt"},
+  };
+  for (const auto& [from, to, what] : cases) {
+    SCOPED_TRACE(to);
+    expect_refusal(glb(replaced(json, from, to), gltf_buffer()), "a.glb", "a.glb: ", what);
+  }
+}
+
+/// A tetrahedron whose corners hang on joint 0, but the last one on joints 0 and 1 alike.
+std::string skinned_tetrahedron(const std::string& nodes) {
+  const std::string rows =
+      R"(,{"buffer":0,"byteOffset":72,"byteLength":16},{"buffer":0,"byteOffset":88,"byteLength":64},)"
+      R"({"buffer":0,"byteOffset":152,"byteLength":128}],)";
+  const std::string accessors = R"("count":12,"type":"SCALAR"},)"
+                                R"({"bufferView":2,"componentType":5121,"count":4,"type":"VEC4"},)"
+                                R"({"bufferView":3,"componentType":5126,"count":4,"type":"VEC4"},)"
+                                R"({"bufferView":4,"componentType":5126,"count":2,"type":"MAT4"})";
+  std::string json = gltf_json(nodes, "", R"(,"skins":[{"joints":[1,2],"inverseBindMatrices":4}])");
+  json = replaced(json, "\"byteLength\":72", "\"byteLength\":280");
+  json =
+      replaced(json, R"("byteOffset":48,"byteLength":24}],)", R"("byteOffset":48,"byteLength":24})" + rows);
+  json = replaced(json, R"("count":12,"type":"SCALAR"})", accessors);
+  json = replaced(json, R"("POSITION":0)", R"("POSITION":0,"JOINTS_0":2,"WEIGHTS_0":3)");
+  std::string bytes = gltf_buffer();
+  for (int i = 0; i < 4; ++i) bytes += std::string("\0\1\0\0", 4);
+  for (int i = 0; i < 4; ++i)
+    for (const float weight : {i < 3 ? 1.0f : 0.5f, i < 3 ? 0.0f : 0.5f, 0.0f, 0.0f})
+      append_value(bytes, weight);
+  for (const Vec3& bound : {Vec3{1, 0, 0}, Vec3{1, 0, 1}})
+    for (int i = 0; i < 16; ++i) {
+      const double last[] = {-bound.x, -bound.y, -bound.z, 1};
+      append_value(bytes, static_cast<float>(i >= 12 ? last[i - 12] : i % 5 == 0 ? 1 : 0));
+    }
+  return glb(json, bytes);
+}
+
+TEST(MeshGltf, ASkinnedMeshStandsWhereItsJointsDo) {
+  const std::string joints = R"([{"translation":[0,0,5],"children":[1,3]},)"
+                             R"({"translation":[1,0,0],"children":[2]},{"translation":[0,0,3]},)";
+  const Mesh mesh = parsed(
+      skinned_tetrahedron(joints + R"({"mesh":0,"skin":0,"scale":[100,100,-100],"translation":[7,7,7]}])"),
+      "a.glb");
+  EXPECT_EQ(mesh.vertices, (std::vector<Vec3>{{0, 0, 5}, {1, 0, 5}, {0, 1, 5}, {0, 0, 7}}));
+  EXPECT_GT(inspect_mesh(mesh).volume, 0);
+  const std::string whole = skinned_tetrahedron(joints + R"({"mesh":0,"skin":0}])");
+  const struct {
+    const char *from, *to, *what;
+  } cases[] = {
+      {R"("skin":0)", R"("skin":1)", "its skin is none"},
+      {R"("joints":[1,2])", R"("joints":[1,9])", "one of its joints is none"},
+      {R"("joints":[1,2])", R"("joints":[1]  )", "hangs on none of its skin's 1 joints"},
+      {R"("JOINTS_0":2)", R"("JOINTS_7":2)", "no JOINTS_0 and WEIGHTS_0"},
+      {R"("count":2,"type":"MAT4")", R"("count":1,"type":"MAT4")", "1 elements where 2 are needed"},
+      {R"("scenes":[{"nodes":[0]}])", R"("scenes":[{"nodes":[3]}])", ""},
+      {R"("children":[2]},)", R"("children":[1]},)", "its own"},
+  };
+  for (const auto& [from, to, what] : cases) {
+    SCOPED_TRACE(to);
+    if (*what != '\0') {
+      expect_refusal(replaced(whole, from, to), "a.glb", "a.glb: ", what);
+    } else {
+      EXPECT_EQ(parsed(replaced(whole, from, to), "a.glb").vertices[3], (Vec3{0, 0, 7}))
+          << "joints outside the scene";
+    }
+  }
+}
+
 TEST(MeshGltf, SaysThatSparseAccessorsAreNotRead) {
   const std::string json =
       replaced(gltf_json(R"([{"mesh":0}])"), R"("type":"VEC3")", R"("type":"VEC3","sparse":{"count":1})");

@@ -149,7 +149,7 @@ const Outside kOutside[] = {
      "\\w+)[.].*|engine/src/(loop/datagram_message[.]cpp|base/message_alignment[.]h)|tests/"
      ".*"},
     {"nlohmann/.*",
-     "(engine/src/(motion/motion_\\w+|model/(mesh_gltf|gltf_buffers|json_text))[.].*|tools/.*|tests/.*)"},
+     "(engine/src/(motion/motion_\\w+|model/(mesh_gltf|gltf_\\w+|json_text))[.].*|tools/.*|tests/.*)"},
     {"(lz4frame|zstd|zlib)[.]h", "(engine/src/recording/(mcap_\\w+|npz_file)[.]cpp|tests/.*)"},
     {"(unistd|fcntl|sys/\\w+)[.]h",
      "(engine/src/(files/(mapped|output|spill|readable)_file|recording/mcap_reader|modbus/"

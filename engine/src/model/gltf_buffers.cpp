@@ -256,7 +256,8 @@ Status GltfBuffers::find_view(const json& accessor, const char* type, std::size_
     return fault(view.place, "its bufferView is none of the file's");
   const json& buffer_view = root_["bufferViews"][view_number];
   const json* const extensions = gltf_member(buffer_view, "extensions");
-  if (extensions != nullptr && gltf_member(*extensions, "EXT_meshopt_compression") != nullptr)
+  if (extensions != nullptr && (gltf_member(*extensions, "EXT_meshopt_compression") != nullptr ||
+                                gltf_member(*extensions, "KHR_meshopt_compression") != nullptr))
     return fault(view.place, "its data are compressed by meshopt; export without compression");
   std::size_t buffer = 0;
   const json* const buffer_reference = gltf_member(buffer_view, "buffer");
@@ -308,6 +309,25 @@ Status GltfBuffers::read_indices(const json& accessor, std::vector<std::uint32_t
   for (std::size_t i = 0; i < view.count; ++i)
     indices.push_back(
         static_cast<std::uint32_t>(binary_number(view.bytes, i * view.stride, component_size(view.type))));
+  return {};
+}
+
+Status GltfBuffers::read_values(const json& accessor, const char* type, std::size_t components,
+                                std::size_t count, std::vector<double>& values) {
+  View view;
+  if (Status status = find_view(accessor, type, components, view); !status.ok()) return status;
+  if (view.count < count)
+    return fault(view.place, std::to_string(view.count) + " elements where " + std::to_string(count) +
+                                 " are needed; export again");
+  const std::size_t size = component_size(view.type);
+  values.reserve(count * components);
+  for (std::size_t i = 0; i < count * components; ++i) {
+    const std::size_t at = i / components * view.stride + i % components * size;
+    values.push_back(component(view.bytes, at, view.type, view.normalized));
+    if (!is_finite(values.back()))
+      return fault(view.place, "element " + std::to_string(i / components) +
+                                   " is not finite; repair or re-export the mesh");
+  }
   return {};
 }
 

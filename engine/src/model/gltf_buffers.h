@@ -37,6 +37,9 @@ class GltfBuffers {
   /// Appends nothing but finite points.
   Status read_positions(const nlohmann::json& accessor, std::vector<Vec3>& points);
   Status read_indices(const nlohmann::json& accessor, std::vector<std::uint32_t>& indices);
+  /// The components of the first `count` elements, which must be there, of type "VEC4" or "MAT4"; all finite.
+  Status read_values(const nlohmann::json& accessor, const char* type, std::size_t components,
+                     std::size_t count, std::vector<double>& values);
   /// [bytes] of the files beside it that were read so far.
   [[nodiscard]] std::size_t bytes_beside() const { return bytes_beside_; }
 

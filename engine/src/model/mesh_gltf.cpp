@@ -1,12 +1,14 @@
 // Reads the triangles of a glTF 2.0 scene, .glb or .gltf: every mesh of its nodes, placed by them, as one
-// mesh. Materials, skins (the bind pose is read), morph targets, cameras and lights are passed over.
+// mesh. Materials, morph targets, animations, cameras and lights are passed over.
 // https://registry.khronos.org/glTF/specs/2.0/glTF-2.0.html; section numbers below are of that.
 #include <algorithm>
 #include <array>
 #include <nlohmann/json.hpp>
+#include <string_view>
 
 #include "base/text_cursor.h"
 #include "model/gltf_buffers.h"
+#include "model/gltf_nodes.h"
 #include "model/mesh_formats.h"
 
 namespace lumbrical {
@@ -19,29 +21,24 @@ using nlohmann::json;
 constexpr std::size_t kMostInstanced = std::size_t{1} << 22;
 constexpr std::size_t kCornersOfPrimitive = 16;  // that take the time of finding a primitive
 
-using Matrix = std::array<double, 16>;  // column-major
-constexpr Matrix kIdentity = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
-
-Matrix product(const Matrix& a, const Matrix& b) {
-  Matrix c{};
-  for (std::size_t column = 0; column < 4; ++column)
-    for (std::size_t row = 0; row < 4; ++row)
-      for (std::size_t k = 0; k < 4; ++k) c[4 * column + row] += a[4 * k + row] * b[4 * column + k];
-  return c;
-}
-
-Vec3 axis(const Matrix& m, std::size_t column) {
-  return {m[4 * column], m[4 * column + 1], m[4 * column + 2]};
-}
-
-Vec3 transformed(const Matrix& m, const Vec3& p) {
-  return axis(m, 0) * p.x + axis(m, 1) * p.y + axis(m, 2) * p.z + axis(m, 3);
-}
+// Extensions that a file may require without another shape than we read, or that are refused where they are
+// used, in words that help more.
+constexpr std::array<std::string_view, 10> kHarmless = {"KHR_mesh_quantization",
+                                                        "KHR_materials_",
+                                                        "KHR_texture_",
+                                                        "KHR_lights_punctual",
+                                                        "EXT_texture_",
+                                                        "EXT_lights_image_based",
+                                                        "EXT_mesh_gpu_instancing",
+                                                        "KHR_draco_mesh_compression",
+                                                        "EXT_meshopt_compression",
+                                                        "KHR_meshopt_compression"};
 
 struct GltfReader {
   const json& root;
   const std::string& name;
   GltfBuffers& buffers;
+  GltfSkins skins;
   std::size_t size;  // [bytes] of the file
   Mesh& mesh;
   std::size_t corners_read = 0;  // those that come to no triangle too
@@ -54,44 +51,6 @@ struct GltfReader {
     return Status::error(name + ": " + place + ": " + what);
   }
 };
-
-// `count` finite numbers of an object's member; `values` stays where there is none.
-Status read_numbers(const GltfReader& reader, const std::string& place, const json& object, const char* key,
-                    std::size_t count, double* values) {
-  const json* const found = gltf_member(object, key);
-  if (found == nullptr) return {};
-  if (!found->is_array() || found->size() != count)
-    return reader.fault(place, std::string(key) + " must be " + std::to_string(count) + " numbers");
-  for (std::size_t i = 0; i < count; ++i) {
-    if (!(*found)[i].is_number() || !is_finite((*found)[i].get<double>()))
-      return reader.fault(place, std::string(key) + " must be finite numbers");
-    values[i] = (*found)[i].get<double>();
-  }
-  return {};
-}
-
-// A node's own transformation (3.5.3): a matrix, or scale, then rotation, then translation.
-Status read_transformation(const GltfReader& reader, const std::string& place, const json& node, Matrix& m) {
-  m = kIdentity;
-  if (gltf_member(node, "matrix") != nullptr)
-    return read_numbers(reader, place, node, "matrix", 16, m.data());
-  std::array<double, 3> t{}, s{1, 1, 1};
-  std::array<double, 4> q{0, 0, 0, 1};
-  Status status = read_numbers(reader, place, node, "translation", 3, t.data());
-  if (status.ok()) status = read_numbers(reader, place, node, "rotation", 4, q.data());
-  if (status.ok()) status = read_numbers(reader, place, node, "scale", 3, s.data());
-  if (!status.ok()) return status;
-  const Quat rotation{q[3], q[0], q[1], q[2]};
-  const double length = dot(rotation, rotation);
-  if (!(length > 0.9 && length < 1.1)) return reader.fault(place, "rotation must be a unit quaternion");
-  const std::array<Vec3, 3> axes = {Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}};
-  for (std::size_t i = 0; i < 3; ++i) {
-    const Vec3 a = rotate(normalized(rotation), axes[i]) * s[i];
-    std::copy_n(std::array{a.x, a.y, a.z}.begin(), 3, m.begin() + static_cast<std::ptrdiff_t>(4 * i));
-  }
-  std::copy(t.begin(), t.end(), m.begin() + 12);
-  return {};
-}
 
 enum Mode { kTriangles = 4, kStrip = 5, kFan = 6 };  // below: points and lines (3.7.2.1)
 
@@ -153,7 +112,8 @@ Status read_primitive(GltfReader& reader, const std::string& place, const json& 
 }
 
 // A node that mirrors turns its triangles round (3.7.4).
-Status append_part(const GltfReader& reader, const std::string& place, const Matrix& m, const Mesh& part) {
+Status append_part(const GltfReader& reader, const std::string& place, const GltfMatrix& m, bool mirrored,
+                   const Mesh& part) {
   Mesh& mesh = reader.mesh;
   if (mesh.vertices.size() + part.vertices.size() > reader.most() ||
       mesh.triangles.size() + part.triangles.size() > reader.most()) {
@@ -166,7 +126,6 @@ Status append_part(const GltfReader& reader, const std::string& place, const Mat
     if (!is_finite(mesh.vertices.back()))
       return reader.fault(place, "its transformation leads beyond all numbers");
   }
-  const bool mirrored = dot(cross(axis(m, 0), axis(m, 1)), axis(m, 2)) < 0;
   for (Triangle triangle : part.triangles) {
     if (mirrored) std::swap(triangle[1], triangle[2]);
     for (std::uint32_t& corner : triangle) corner += first;
@@ -175,29 +134,21 @@ Status append_part(const GltfReader& reader, const std::string& place, const Mat
   return {};
 }
 
-Status append_mesh(GltfReader& reader, std::size_t number, const Matrix& m) {
+using SkinJoints = const std::vector<GltfMatrix>*;  // of a mesh's skin; null where it has none
+
+Status append_mesh(GltfReader& reader, std::size_t number, const GltfMatrix& m, SkinJoints joints = nullptr) {
   const json& primitives = reader.root["meshes"][number].at("primitives");
   for (std::size_t i = 0; i < primitives.size(); ++i) {
     const std::string place = "mesh " + std::to_string(number) + ", primitive " + std::to_string(i);
     Mesh part;
     Status status = read_primitive(reader, place, primitives[i], part);
-    if (status.ok()) status = append_part(reader, place, m, part);
+    if (status.ok() && joints != nullptr && !part.triangles.empty())
+      status = pose_by_joints(reader.name + ": " + place, primitives[i].at("attributes"), *joints,
+                              reader.buffers, part.vertices);
+    const GltfMatrix& outside = joints != nullptr && !joints->empty() ? joints->front() : m;
+    if (status.ok())
+      status = append_part(reader, place, joints != nullptr ? kGltfIdentity : m, mirrors(outside), part);
     if (!status.ok()) return status;
-  }
-  return {};
-}
-
-// The numbers of a list of indices into root[list].
-Status read_references(const GltfReader& reader, const std::string& place, const json& object,
-                       const char* key, const char* list, std::vector<std::size_t>& numbers) {
-  const json* const found = gltf_member(object, key);
-  if (found == nullptr) return {};
-  if (!found->is_array()) return reader.fault(place, std::string(key) + " must be a list");
-  for (const json& entry : *found) {
-    std::size_t number = 0;
-    if (!gltf_reference(reader.root, entry, list, number))
-      return reader.fault(place, "one of its " + std::string(key) + " is none of the file's " + list);
-    numbers.push_back(number);
   }
   return {};
 }
@@ -209,14 +160,14 @@ Status find_roots(const GltfReader& reader, std::vector<std::size_t>& roots) {
     const json* const chosen = gltf_member(reader.root, "scene");
     if (chosen != nullptr && !gltf_reference(reader.root, *chosen, "scenes", number))
       return reader.fault("scene", "it is none of the file's scenes");
-    return read_references(reader, "scene " + std::to_string(number), (*scenes)[number], "nodes", "nodes",
-                           roots);
+    return read_gltf_references(reader.name + ": scene " + std::to_string(number), reader.root,
+                                (*scenes)[number], "nodes", "nodes", roots);
   }
   std::vector<bool> child(gltf_count(reader.root, "nodes"), false);
   for (std::size_t i = 0; i < child.size(); ++i) {
     std::vector<std::size_t> children;
-    Status status = read_references(reader, "node " + std::to_string(i), reader.root["nodes"][i], "children",
-                                    "nodes", children);
+    Status status = read_gltf_references(reader.name + ": node " + std::to_string(i), reader.root,
+                                         reader.root["nodes"][i], "children", "nodes", children);
     if (!status.ok()) return status;
     for (const std::size_t c : children) child[c] = true;
   }
@@ -225,16 +176,40 @@ Status find_roots(const GltfReader& reader, std::vector<std::size_t>& roots) {
   return {};
 }
 
+// A mesh and its skin, where the node has them. Where it is to stand many times (EXT_mesh_gpu_instancing),
+// once would be another shape.
+Status read_mesh_of_node(GltfReader& reader, const std::string& place, const json& node,
+                         const GltfMatrix& m) {
+  const json* const extensions = gltf_member(node, "extensions");
+  if (extensions != nullptr && gltf_member(*extensions, "EXT_mesh_gpu_instancing") != nullptr)
+    return reader.fault(
+        place,
+        "its mesh stands in many places by EXT_mesh_gpu_instancing, which is not read; export "
+        "without instancing");
+  const json* const mesh = gltf_member(node, "mesh");
+  if (mesh == nullptr) return {};
+  std::size_t number = 0, skin_number = 0;
+  if (!gltf_reference(reader.root, *mesh, "meshes", number))
+    return reader.fault(place, "its mesh is none of the file's");
+  const json* const skin = gltf_member(node, "skin");
+  if (skin == nullptr) return append_mesh(reader, number, m);
+  if (!gltf_reference(reader.root, *skin, "skins", skin_number))
+    return reader.fault(place, "its skin is none of the file's");
+  SkinJoints joints = nullptr;
+  Status status = reader.skins.find_joints(skin_number, joints);
+  return status.ok() ? append_mesh(reader, number, m, joints) : status;
+}
+
 struct Placed {
   std::size_t node;
-  Matrix parent;
+  GltfMatrix parent;
 };
 
 // Every node below the roots once, parents first; each in the order of the file.
 Status read_nodes(GltfReader& reader, const std::vector<std::size_t>& roots) {
   std::vector<bool> met(gltf_count(reader.root, "nodes"), false);
   std::vector<Placed> waiting;
-  for (std::size_t i = roots.size(); i-- > 0;) waiting.push_back({roots[i], kIdentity});
+  for (std::size_t i = roots.size(); i-- > 0;) waiting.push_back({roots[i], kGltfIdentity});
   while (!waiting.empty()) {
     const Placed placed = waiting.back();
     waiting.pop_back();
@@ -242,17 +217,13 @@ Status read_nodes(GltfReader& reader, const std::vector<std::size_t>& roots) {
     if (met[placed.node]) return reader.fault(place, "it has two parents, or is its own; export again");
     met[placed.node] = true;
     const json& node = reader.root["nodes"][placed.node];
-    Matrix own;
-    if (Status status = read_transformation(reader, place, node, own); !status.ok()) return status;
-    const Matrix m = product(placed.parent, own);
-    if (const json* const mesh = gltf_member(node, "mesh")) {
-      std::size_t number = 0;
-      if (!gltf_reference(reader.root, *mesh, "meshes", number))
-        return reader.fault(place, "its mesh is none of the file's");
-      if (Status status = append_mesh(reader, number, m); !status.ok()) return status;
-    }
+    const std::string file_place = reader.name + ": " + place;
+    GltfMatrix own;
+    if (Status status = read_gltf_transformation(file_place, node, own); !status.ok()) return status;
+    const GltfMatrix m = product(placed.parent, own);
+    if (Status status = read_mesh_of_node(reader, place, node, m); !status.ok()) return status;
     std::vector<std::size_t> children;
-    Status status = read_references(reader, place, node, "children", "nodes", children);
+    Status status = read_gltf_references(file_place, reader.root, node, "children", "nodes", children);
     if (!status.ok()) return status;
     for (std::size_t i = children.size(); i-- > 0;) waiting.push_back({children[i], m});
   }
@@ -264,7 +235,23 @@ Status read_scene(GltfReader& reader) {
   if (Status status = find_roots(reader, roots); !status.ok()) return status;
   if (!roots.empty()) return read_nodes(reader, roots);
   for (std::size_t i = 0; i < gltf_count(reader.root, "meshes"); ++i)  // no scene at all: a library of meshes
-    if (Status status = append_mesh(reader, i, kIdentity); !status.ok()) return status;
+    if (Status status = append_mesh(reader, i, kGltfIdentity); !status.ok()) return status;
+  return {};
+}
+
+// A file that requires an extension is another one without it (3.12).
+Status check_required(const json& root, const std::string& name) {
+  const json* const required = gltf_member(root, "extensionsRequired");
+  if (required == nullptr) return {};
+  for (const json& entry : *required) {
+    const std::string& extension = entry.get_ref<const std::string&>();
+    const auto covers = [&extension](std::string_view harmless) {
+      return harmless.back() == '_' ? extension.starts_with(harmless) : extension == harmless;
+    };
+    if (std::none_of(kHarmless.begin(), kHarmless.end(), covers))
+      return Status::error(name + ": it requires the extension " + in_quotes(std::string_view(extension)) +
+                           ", which is not read; export without it");
+  }
   return {};
 }
 
@@ -275,8 +262,9 @@ Status parse_gltf(std::string_view content, const std::string& name, const std::
   json root;
   std::string_view binary;
   if (Status status = read_gltf_container(content, name, root, binary); !status.ok()) return status;
+  if (Status status = check_required(root, name); !status.ok()) return status;
   GltfBuffers buffers(root, name, folder, binary);
-  GltfReader reader{root, name, buffers, content.size(), mesh};
+  GltfReader reader{root, name, buffers, GltfSkins(root, name, buffers), content.size(), mesh};
   return read_scene(reader);
 } catch (const json::exception&) {
   return Status::error(name + ": not the structure of a glTF file; export it again");
