@@ -124,12 +124,23 @@ TEST(MeshFile, NamesFormatsItDoesNotReadAndWhatToConvertTo) {
                {"\x80\4", "MANO_RIGHT.pkl", "MANO", "OBJ or PLY"},
                {"#usda 1.0", "a", "USD", "export glTF or OBJ"},
                {"\x1f\x8b\b", "cup.obj.gz", "compressed", "gunzip"},
-               {"PK\3\4", "meshes.zip", "archive", "unzip"}};
+               {"PK\3\4", "meshes.zip", "archive", "unzip"},
+               {"\x1f\x8b\b", "cup.obj", "compressed", "gunzip"},
+               {"\x1f\x8b\b", "cup.stl", "compressed", "gunzip"},
+               {"PK\3\4", "cup.ply", "archive", "unzip"},
+               {"\xFF\xFEv", "cup.obj", "UTF-16", "save it in UTF-8"},
+               {"\xFE\xFFv", "cup.ply", "UTF-16", "save it in UTF-8"},
+               {"BLENDER-v300", "cup.obj", "Blender", "export glTF or OBJ"}};
   for (const auto& [content, name, format, advice] : cases) {
     SCOPED_TRACE(name);
     expect_refusal(content, name, std::string(name) + ": ", format);
     expect_refusal(content, name, std::string(name) + ": ", advice);
   }
+}
+
+TEST(MeshFile, TakesNoCommentOfAnObjForAnotherFormat) {
+  EXPECT_EQ(parsed("# vtk\nlod 1\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", "a.obj").triangles.size(), 1u);
+  expect_refusal("# vtk DataFile Version 3.0\nlod 1\n", "a", "a: ", "VTK");
 }
 
 TEST(MeshFile, PutsOnlyShortPrintableWordsIntoMessages) {

@@ -347,6 +347,12 @@ TEST(MotionFile, NamesCapturesThatAreNotReadAndWhatToConvertThemTo) {
        "UmeTrack", "21 joints"},
       {"hand.FBX", "Kaydara FBX Binary", "FBX", "export BVH"},
       {"walk.c3d", "\x02P", "C3D", "21 joints"},
+      {"hand.csv",
+       "\xFF\xFE"
+       "0",
+       "UTF-16", "save it in UTF-8"},
+      {"hand.csv", "\x1f\x8b\b", "compressed", "gunzip"},
+      {"hands.json", "PK\3\4", "archive", "unzip"},
   };
   for (const auto& [name, content, format, advice] : cases) {
     Motion motion;

@@ -3,6 +3,7 @@
 #include <new>
 
 #include "base/floating_point.h"
+#include "base/packed_content.h"
 #include "base/text_cursor.h"
 #include "base/whole_file.h"
 #include "model/mesh_formats.h"
@@ -31,8 +32,7 @@ Format format_of_name(const std::string& name) {
   return Format::unknown;
 }
 
-/// The content tells first, because names lie; the name helps where the content says nothing.
-Format detect_format(std::string_view content, const std::string& name) {
+Format format_of_content(std::string_view content) {
   if (is_stl_content(content)) return Format::stl;
   if (content.substr(0, 4) == "glTF") return Format::gltf;
   TextCursor cursor(content, {.hash_comments = true});
@@ -44,7 +44,7 @@ Format detect_format(std::string_view content, const std::string& name) {
     if (word == keyword) return Format::obj;
   }
   if (word.substr(0, 1) == "{" && content.find("\"asset\"") != std::string_view::npos) return Format::gltf;
-  return format_of_name(name);
+  return Format::unknown;
 }
 
 // Formats that people have and that are not read, by their file names or their first bytes, and the way out.
@@ -73,27 +73,32 @@ constexpr Foreign kForeign[] = {
     {".msh", "$MeshFormat", "Gmsh's format is not read; export STL or PLY from Gmsh"},
     {".npz", "", "NumPy arrays are not read; write vertices and faces as OBJ or PLY (trimesh does it)"},
     {".pkl", "", "pickled models (MANO, SMPL) are not read; write vertices and faces as OBJ or PLY"},
-    {".gz", "\x1f\x8b", "the file is compressed; unpack it first (gunzip)"},
-    {".zip", "PK\x03\x04", "the file is an archive; unpack it first (unzip)"},
-    {".xz", "\3757zXZ", "the file is compressed; unpack it first (unxz)"},
-    {".zst", "\x28\xb5\x2f\xfd", "the file is compressed; unpack it first (unzstd)"},
-    {".7z", "7z\xbc\xaf", "the file is an archive; unpack it first (7z x)"},
 };
 
-/// What to do with a file of another format; null where it is of none that is known.
+/// What to do with a file of another format; null where it is of none that is known. A '#' opens comments of
+/// ours, too: it tells nothing where the name tells a format that is read.
 const char* foreign_format(std::string_view content, const std::string& name) {
   const std::string extension = extension_of(name);
   for (const Foreign& format : kForeign) {
     if (extension == format.extension) return format.what;
-    if (!format.start.empty() && content.substr(0, format.start.size()) == format.start) return format.what;
+    if (format.start.empty() || (format.start[0] == '#' && format_of_name(name) != Format::unknown)) continue;
+    if (content.substr(0, format.start.size()) == format.start) return format.what;
   }
   return nullptr;
 }
 
+/// The content tells first, because names lie; the name helps where the content says nothing.
 Status parse_in_file_units(std::string_view content, const std::string& name, const std::string& folder,
                            Mesh& mesh) {
   if (content.empty()) return Status::error(name + ": the file is empty");
-  switch (detect_format(content, name)) {
+  Format format = format_of_content(content);
+  if (format == Format::unknown) {
+    const char* what = foreign_format(content, name);
+    if (what == nullptr) what = how_to_unpack(content);
+    if (what != nullptr) return Status::error(name + ": " + what);
+    format = format_of_name(name);
+  }
+  switch (format) {
     case Format::obj:
       return parse_obj(content, name, mesh);
     case Format::stl:
@@ -106,10 +111,6 @@ Status parse_in_file_units(std::string_view content, const std::string& name, co
       return parse_gltf(content, name, folder, mesh);
     case Format::unknown:
       break;
-  }
-  if (const char* const what = foreign_format(content, name)) return Status::error(name + ": " + what);
-  if (content.substr(0, 2) == "\xFF\xFE" || content.substr(0, 2) == "\xFE\xFF") {
-    return Status::error(name + ": the text is in UTF-16; save it in UTF-8");
   }
   return Status::error(name + ": neither the content nor the name tells the format; " + kFormats);
 }

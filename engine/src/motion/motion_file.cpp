@@ -1,6 +1,7 @@
 // Tells the format of a motion file by its content, lets that format's reader read it, and checks what all
 // have in common: time, completeness, size and side of the hand.
 #include "base/floating_point.h"
+#include "base/packed_content.h"
 #include "model/json_text.h"
 #include "motion/motion_formats.h"
 
@@ -186,6 +187,7 @@ Status parse_checked(std::string_view content, const std::string& name, const Mo
   content = without_byte_order_mark(content);
   status = refuse_foreign(content, name);
   if (!status.ok()) return status;
+  if (const char* const what = how_to_unpack(content)) return refuse(name, what);
   if (looks_like_json(content))
     status = parse_json_motion(content, name, options, parsed);
   else if (looks_like_bvh(content))
