@@ -79,6 +79,21 @@ TEST(CommandLine, AlignMovesTheMotionToTheObjectAndTellsWhereTo) {
   EXPECT_EQ(shell("lumbrical run scene.json --align sideways", folder_with_a_miss("")).exit_code, 2);
 }
 
+TEST(CommandLine, AnAlignmentThatIsInForceIsNotAdvised) {
+  const fs::path folder = folder_with_a_miss("");
+  const auto trouble = [&folder](const std::string& switches) {
+    return shell("lumbrical run scene.json --json " + switches, folder)
+        .json()["trouble"][0]
+        .get<std::string>();
+  };
+  EXPECT_EQ(trouble(""), "nothing was touched; --align contact moves the hand to the first object");
+  const std::string cut = trouble("--align contact --ticks 1");
+  EXPECT_EQ(cut.substr(0, 36), "nothing was touched in the first 1 o") << cut;
+  EXPECT_NE(cut.find("run them all"), std::string::npos) << cut;
+  EXPECT_EQ(trouble("--align 5,5,5"),
+            "nothing was touched where the hand was moved to; --align x,y,z moves it elsewhere");
+}
+
 TEST(CommandLine, AHandThatIsLeftOutOfACaptureIsSaidAndCanBeChosen) {
   const fs::path folder = folder_with_a_miss("");
   const Poses right = bent_hand(Side::right, 0.2), left = bent_hand(Side::left, 0.6);

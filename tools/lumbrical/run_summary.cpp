@@ -116,8 +116,18 @@ double ns_per_evaluation(const RunStatistics& run) {
   return run.evaluations > 0 ? run.evaluating_ns / run.evaluations : 0;
 }
 
+std::string way_to_touch(const RunStatistics& run, const SceneFile& scene_file) {
+  const std::uint64_t all = tick_count(scene_file.seconds, scene_file.scene.settings.rate);
+  if (scene_file.aligned && run.ticks < all)
+    return " in the first " + grouped(run.ticks) + " of " + grouped(all) +
+           " ticks; the alignment is by all of them, so run them all";
+  if (scene_file.aligned) return " where the hand was moved to; --align x,y,z moves it elsewhere";
+  return scene_file.scene.objects.empty() ? "; --align x,y,z moves the hand to a place in the world"
+                                          : "; --align contact moves the hand to the first object";
+}
+
 // Before any figure: what a person must know who reads one line.
-std::vector<std::string> trouble_of(const RunStatistics& run, const Scene& scene,
+std::vector<std::string> trouble_of(const RunStatistics& run, const SceneFile& scene_file,
                                     const DeviceSession* device) {
   std::vector<std::string> lines = device != nullptr ? device->trouble() : std::vector<std::string>();
   if (!run.recording_error.ok()) lines.push_back("the recording failed: " + run.recording_error.message());
@@ -134,9 +144,7 @@ std::vector<std::string> trouble_of(const RunStatistics& run, const Scene& scene
     lines.push_back("nothing was felt: in no tick was it known where the hand is");
     return lines;
   }
-  lines.push_back(scene.objects.empty()
-                      ? "nothing was touched; --align x,y,z moves the hand to a place in the world"
-                      : "nothing was touched; --align contact moves the hand to the first object");
+  lines.push_back("nothing was touched" + way_to_touch(run, scene_file));
   for (const HandFigures& hand : run.hands)
     lines.insert(lines.end(), hand.untouched.begin(), hand.untouched.end());
   return lines;
@@ -316,7 +324,7 @@ Json run_json(const RunSummary& summary) {
   const auto& [scene_file, models, run, late, effort, device, paced, recording] = summary;
   const Model& model = models[0];
   Json json;
-  json["trouble"] = trouble_of(run, scene_file.scene, device);
+  json["trouble"] = trouble_of(run, scene_file, device);
   json["ticks"] = run.ticks;
   json["rate_hz"] = rate_reached(run);
   json["tick_us"] = times_json(run.tick_times);
@@ -358,7 +366,7 @@ std::string run_text(const RunSummary& summary) {
   const auto& [scene_file, models, run, late, effort, device, paced, recording] = summary;
   const Model& model = models[0];
   Table table;
-  for (const std::string& line : trouble_of(run, scene_file.scene, device))
+  for (const std::string& line : trouble_of(run, scene_file, device))
     table.add(table.rows.empty() ? "trouble" : "", line);
   table.add("ticks", grouped(run.ticks) + " of " + brief(1e3 / model.settings.rate) + " ms" +
                          (run.interrupted ? ", stopped by a signal" : ""));
