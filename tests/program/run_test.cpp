@@ -94,6 +94,21 @@ TEST(CommandLine, AnAlignmentThatIsInForceIsNotAdvised) {
             "nothing was touched where the hand was moved to; --align x,y,z moves it elsewhere");
 }
 
+TEST(CommandLine, AFolderThatIsNotThereIsToldOfTheFileThatWasAskedFor) {
+  const fs::path folder = folder_with_demo();
+  ASSERT_EQ(shell("lumbrical run demo.json --ticks 20 --record a.mcap", folder).exit_code, 0);
+  std::ofstream(folder / "ball.obj") << "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+  for (const std::string command :
+       {"run demo.json --ticks 2 --record none/a.mcap", "export a.mcap -o none/a.csv",
+        "trim a.mcap --from-tick 3 -o none/a.mcap", "inspect ball.obj --unit m --fix none/a.obj"}) {
+    const Outcome outcome = shell("lumbrical " + command, folder);
+    EXPECT_EQ(outcome.exit_code, 2) << command;
+    EXPECT_NE(outcome.error.find("its folder is not there; make it or check the path"), std::string::npos)
+        << outcome.error;
+    EXPECT_EQ(outcome.error.find(".part"), std::string::npos) << outcome.error;
+  }
+}
+
 TEST(CommandLine, AHandThatIsLeftOutOfACaptureIsSaidAndCanBeChosen) {
   const fs::path folder = folder_with_a_miss("");
   const Poses right = bent_hand(Side::right, 0.2), left = bent_hand(Side::left, 0.6);

@@ -47,12 +47,14 @@ bool is_ours(const std::string& path, std::string_view mark) {
   return file.is_open() && !file.bad() && (start.empty() || start.find(mark) != std::string::npos);
 }
 
-Status write_part(const std::string& part, std::string_view text) {
+Status write_part(const std::string& path, const std::string& part, std::string_view text) {
   const int file = ::open(part.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0666);
   if (file < 0 && errno == EEXIST)
     return Status::error(part + ": exists: another process is writing it, or one was killed and it can go");
   const auto why = [] { return std::generic_category().message(errno) + "; give it another name or place"; };
-  if (file < 0) return Status::error(part + ": cannot be created: " + why());
+  if (file < 0 && errno == ENOENT)
+    return Status::error(path + ": its folder is not there; make it or check the path");
+  if (file < 0) return Status::error(path + ": cannot be created: " + why());
   Status status;
   if (!write_all(file, text) || ::fsync(file) != 0)
     status = Status::error(part + ": cannot be written: " + why());
@@ -68,7 +70,7 @@ Status replace_own_file(const std::string& path, std::string_view text) {
   if (::stat(path.c_str(), &there) == 0 && !S_ISREG(there.st_mode))
     return Status::error(path + ": is not a file; give it another name");
   const std::string part = path + ".part";
-  if (Status status = write_part(part, text); !status.ok()) return status;
+  if (Status status = write_part(path, part, text); !status.ok()) return status;
   if (std::rename(part.c_str(), path.c_str()) != 0) {
     const std::string why = std::generic_category().message(errno);
     ::unlink(part.c_str());

@@ -44,6 +44,12 @@ Status part_exists(const std::string& part) {
                        "if it is a recording, then move it away");
 }
 
+// Of the name that was asked for: nobody gave that of the part.
+Status uncreatable(const std::string& path, int error) {
+  if (error == ENOENT) return Status::error(path + ": its folder is not there; make it or check the path");
+  return system_status(path, "cannot be created", error);
+}
+
 // The names in a folder are on the disk when the folder is; some file systems have no such thing to ask for.
 int sync_folder_of(const std::string& path) {
   const std::filesystem::path folder = std::filesystem::path(path).parent_path();
@@ -84,8 +90,7 @@ Status OutputFile::open(const std::string& path) {
   path_ = path;
   const std::string part = path + kPartSuffix;
   descriptor_ = ::open(part.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0666);
-  if (descriptor_ < 0)
-    return errno == EEXIST ? part_exists(part) : system_status(part, "cannot be created", errno);
+  if (descriptor_ < 0) return errno == EEXIST ? part_exists(part) : uncreatable(path, errno);
   growing_at_ = part;
   size_ = 0;
   name_synced_ = false;
