@@ -234,12 +234,9 @@ std::vector<Vec3> spread_directions() {
 
 // [m] Of the box round them, from corner to corner.
 double size_of(const std::vector<Vec3>& vertices) {
-  Vec3 low = vertices[0], high = vertices[0];
-  for (const Vec3 v : vertices) {
-    low = {min(low.x, v.x), min(low.y, v.y), min(low.z, v.z)};
-    high = {max(high.x, v.x), max(high.y, v.y), max(high.z, v.z)};
-  }
-  return norm(high - low);
+  Box box;
+  for (const Vec3 v : vertices) box.add(v);
+  return norm(box.upper - box.lower);
 }
 
 Vec3 farthest_along(Vec3 direction, const std::vector<Vec3>& vertices) {

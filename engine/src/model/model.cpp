@@ -203,7 +203,9 @@ Status take_apart_objects(const Scene& scene, Model& model) {
     const Box& extent = apart.shape->extent;
     apart.middle = extent.middle();
     apart.radius = 1.000001 * norm(extent.upper - apart.middle);
-    if (object.mechanism.mobility == Mobility::free) apart.supports = support_points(object.mesh);
+    if (model.ground && object.mechanism.mobility == Mobility::free)
+      apart.supports = instance != nullptr && !instance->supports.empty() ? instance->supports
+                                                                          : support_points(object.mesh);
     model.apart.push_back(std::move(apart));
   }
   return find_latches(model.apart);
