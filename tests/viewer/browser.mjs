@@ -39,12 +39,24 @@ async function visit(address) {
   await page.waitForSelector("body[data-ready]", kPatience);
 }
 
+/** In the page: at most ten pictures a second, since a processor draws them. */
+function drawRarely() {
+  const soon = window.requestAnimationFrame.bind(window);
+  const cancelled = new Set();
+  window.requestAnimationFrame = (draw) => {
+    const id = setTimeout(() => soon((now) => cancelled.delete(id) || draw(now)), 80);
+    return id;
+  };
+  window.cancelAnimationFrame = (id) => cancelled.add(id);
+}
+
 /** Opens `address` in a tab of its own, which runs `script` before the page's. */
 export async function openNew(address, options = {}, script) {
   await page?.context().close();
   const context = await browser.newContext({ viewport: { width: 1280, height: 800 }, colorScheme: "light", ...options });
   page = await context.newPage();
   isPlain = false;
+  await page.addInitScript(`(${drawRarely})();`);
   if (script) await page.addInitScript(script);
   page.on("request", (request) => requests.push(request.url()));
   page.on("pageerror", (error) => complaints.push(String(error)));

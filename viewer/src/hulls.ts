@@ -2,8 +2,8 @@
 import { BufferAttribute, BufferGeometry, Matrix4, Vector3 } from "three";
 import type { Hull } from "./frame";
 
-const kRings = 24;
-const kSectors = 32;
+const kRings = 16;
+const kSectors = 20;
 
 /** Directions on a sphere, poles first and last; triangles between them. */
 function sphere() {

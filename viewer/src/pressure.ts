@@ -119,7 +119,11 @@ export function makePressure() {
         segment.array[3 * i + corner] = contact.segment;
       }
     }
-    for (const attribute of [position, pressure, segment]) attribute.needsUpdate = true;
+    for (const attribute of [position, pressure, segment]) {
+      attribute.clearUpdateRanges();
+      attribute.addUpdateRange(0, 3 * attribute.itemSize * count);
+      attribute.needsUpdate = count > 0;
+    }
     geometry.setDrawRange(0, 3 * count);
     uniforms.corners.value = 0;
     for (const { segment: s, points, radii } of frame.hulls) {
