@@ -13,10 +13,10 @@
 #include "proxy/proxy_hand.h"
 #include "samples/sampled_forces.h"
 #include "stages/contact_force.h"
+#include "stages/feel_model.h"
 #include "stages/hand_pose.h"
 #include "stages/joint_torques.h"
 #include "stages/pad_damping.h"
-#include "tick/felt_forces.h"
 
 namespace lumbrical {
 namespace {

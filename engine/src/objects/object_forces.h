@@ -3,8 +3,8 @@
 
 #include "lumbrical/tick.h"
 #include "model/primitive.h"
+#include "stages/feel_model.h"
 #include "stages/segment_speeds.h"
-#include "tick/felt_forces.h"
 
 namespace lumbrical {
 

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "tick/felt_forces.h"
+#include "stages/feel_model.h"
 
 namespace lumbrical {
 namespace {

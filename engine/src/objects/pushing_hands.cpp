@@ -3,9 +3,9 @@
 #include <cassert>
 
 #include "objects/palm_stiffness.h"
+#include "stages/feel_model.h"
 #include "stages/hand_pose.h"
 #include "stages/segment_speeds.h"
-#include "tick/felt_forces.h"
 
 namespace lumbrical {
 namespace {

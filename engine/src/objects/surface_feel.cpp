@@ -7,9 +7,9 @@
 #include "model/corners.h"
 #include "stages/broadphase.h"
 #include "stages/exact_overlaps.h"
+#include "stages/feel_model.h"
 #include "stages/hand_pose.h"
 #include "stages/narrowphase.h"
-#include "tick/felt_forces.h"
 
 namespace lumbrical {
 namespace {

@@ -6,7 +6,7 @@
 #include <thread>
 
 #include "base/parallel.h"
-#include "tick/felt_forces.h"
+#include "stages/feel_model.h"
 
 namespace lumbrical {
 

@@ -12,7 +12,7 @@
 #include "proxy/proxy_hand.h"
 #include "samples/sampled_forces.h"
 #include "section/contact_jacobian.h"
-#include "tick/felt_forces.h"
+#include "stages/feel_model.h"
 
 namespace lumbrical {
 

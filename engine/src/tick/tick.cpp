@@ -14,11 +14,11 @@
 #include "proxy/proxy_hand.h"
 #include "samples/sampled_forces.h"
 #include "stages/broadphase.h"
+#include "stages/feel_model.h"
 #include "stages/force_limits.h"
 #include "stages/hand_pose.h"
 #include "stages/narrowphase.h"
 #include "stages/pad_damping.h"
-#include "tick/felt_forces.h"
 #include "tick/field_lists.h"
 
 namespace lumbrical {

@@ -1,5 +1,5 @@
 // One model after the other is felt like this: the world, then each object apart from it.
-#include "tick/felt_forces.h"
+#include "stages/feel_model.h"
 
 #include "base/wrench.h"
 #include "samples/sampled_forces.h"
