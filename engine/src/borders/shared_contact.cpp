@@ -141,11 +141,11 @@ void add_least(Point2 middle, double reach, Work& work) {
   for (std::size_t i = 0; i < work.kin_count; ++i) {
     const Kin& kin = work.kin[i];
     Crossings crossings;
-    const Share share = share_with(kin, whole, middle, reach, crossings);
-    if (share == Share::crossed) {
+    const PartShare share = share_with(kin, whole, middle, reach, crossings);
+    if (share == PartShare::crossed) {
       const Chord chord = chord_of(crossings);
       cut_polygon(chord.across, dot(chord.across, chord.from), work.section.polygon);
-    } else if (share == Share::none || (share == Share::unclear && !(precedence(kin, middle) > 0))) {
+    } else if (share == PartShare::none || (share == PartShare::unclear && !(precedence(kin, middle) > 0))) {
       return;
     }
   }
@@ -270,23 +270,23 @@ void share_out(const Part& part, Work& work, Parts& open) {
   const auto& [polygon, middle, reach, stake, volume, level] = part;
   work.section.polygon = polygon;
   if (classify(work.section) == Overlap::apart) return;
-  std::array<Share, 2> share{Share::all, Share::all};
+  std::array<PartShare, 2> share{PartShare::all, PartShare::all};
   std::array<Crossings, 2> crossings;
   for (std::size_t k = 0; k < work.kin_count; ++k) {
     share[k] = share_with(work.kin[k], polygon, middle, reach, crossings[k]);
-    if (share[k] == Share::none) return;
+    if (share[k] == PartShare::none) return;
   }
-  if (share[0] != Share::all && share[1] != Share::all) {
+  if (share[0] != PartShare::all && share[1] != PartShare::all) {
     // Where one of two kin is ahead of the other everywhere, the other one doesn't count. Two kin with a
     // sphere in common may have the same border with this tile, so this must not be left to splitting.
     Crossings ignored;
-    const Share ahead = share_with(work.others, polygon, middle, reach, ignored);
-    if (ahead == Share::all) share[1] = Share::all;
-    if (ahead == Share::none) share[0] = Share::all;
+    const PartShare ahead = share_with(work.others, polygon, middle, reach, ignored);
+    if (ahead == PartShare::all) share[1] = PartShare::all;
+    if (ahead == PartShare::none) share[0] = PartShare::all;
   }
-  if (share[0] == Share::all && share[1] == Share::all) return add_all(work);
-  const std::size_t k = share[0] == Share::all ? 1 : 0;
-  const bool one_border = share[k] == Share::crossed && share[1 - k] == Share::all;
+  if (share[0] == PartShare::all && share[1] == PartShare::all) return add_all(work);
+  const std::size_t k = share[0] == PartShare::all ? 1 : 0;
+  const bool one_border = share[k] == PartShare::crossed && share[1 - k] == PartShare::all;
   if (one_border && add_crossed(work.kin[k], crossings[k], work)) return;
   const double radius = work.kin[0].first.radius;
   if (reach < kLeast * radius && stake < kLeastStake * radius * radius * radius) {
@@ -295,9 +295,9 @@ void share_out(const Part& part, Work& work, Parts& open) {
   }
   // Parts too large to be understood, or with two kin, become smaller; those with one border flatter, but
   // every other time smaller as well.
-  const bool flatter = one_border || (share[1 - k] == Share::all && crossings[k].count == 4 &&
+  const bool flatter = one_border || (share[1 - k] == PartShare::all && crossings[k].count == 4 &&
                                       (work.kin[k].near || level % 2 == 0));
-  const bool compete = share[0] != Share::all && share[1] != Share::all;
+  const bool compete = share[0] != PartShare::all && share[1] != PartShare::all;
   const Split split = flatter   ? split_for(work.kin[k], crossings[k], polygon, middle)
                       : compete ? split_by_meeting(work.kin, polygon, middle, reach)
                                 : split_across(polygon, middle);

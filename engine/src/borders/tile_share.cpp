@@ -172,14 +172,15 @@ double farthest(const std::array<double, Polygon2::kMaxCorners>& value, std::siz
 
 }  // namespace
 
-Share share_with(const Kin& kin, const Polygon2& polygon, Point2 middle, double reach, Crossings& crossings) {
+PartShare share_with(const Kin& kin, const Polygon2& polygon, Point2 middle, double reach,
+                     Crossings& crossings) {
   const double here = precedence(kin, middle);
-  if (std::fabs(here) > kPrecedenceSlope * reach) return here > 0 ? Share::all : Share::none;
+  if (std::fabs(here) > kPrecedenceSlope * reach) return here > 0 ? PartShare::all : PartShare::none;
   std::array<double, Polygon2::kMaxCorners> value;
   for (std::size_t i = 0; i < polygon.count; ++i) value[i] = precedence(kin, polygon.corner[i]);
   // What the fields alone tell spares the edges' search.
-  if (!kin.near && is_higher(kin.own(), kin.other(), polygon, middle)) return Share::all;
-  if (!kin.near && is_higher(kin.other(), kin.own(), polygon, middle)) return Share::none;
+  if (!kin.near && is_higher(kin.own(), kin.other(), polygon, middle)) return PartShare::all;
+  if (!kin.near && is_higher(kin.other(), kin.own(), polygon, middle)) return PartShare::none;
   for (std::size_t k = 0; k < polygon.count; ++k) {
     const std::size_t next = k + 1 == polygon.count ? 0 : k + 1;
     cross_edge(kin, polygon.corner[k], polygon.corner[next], value[k], value[next], crossings);
@@ -187,12 +188,12 @@ Share share_with(const Kin& kin, const Polygon2& polygon, Point2 middle, double 
   const bool near = is_near(kin, middle, reach);
   remove_touches(kin, crossings);
   if (crossings.count == 2) {
-    return near || reach < kSmall * kin.first.radius ? Share::crossed : Share::unclear;
+    return near || reach < kSmall * kin.first.radius ? PartShare::crossed : PartShare::unclear;
   }
-  if (crossings.count > 0) return Share::unclear;
+  if (crossings.count > 0) return PartShare::unclear;
   const bool mine = farthest(value, polygon.count) > 0;
-  if (!near || has_island(kin, polygon, mine)) return Share::unclear;
-  return mine ? Share::all : Share::none;
+  if (!near || has_island(kin, polygon, mine)) return PartShare::unclear;
+  return mine ? PartShare::all : PartShare::none;
 }
 
 }  // namespace lumbrical

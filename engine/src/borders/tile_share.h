@@ -17,7 +17,7 @@ struct Crossings {
 };
 
 /// What of a part is the tile's, as far as its kin goes.
-enum class Share : std::uint8_t {
+enum class PartShare : std::uint8_t {
   all,
   none,
   crossed,  ///< one border runs through, between the two crossings
@@ -25,6 +25,7 @@ enum class Share : std::uint8_t {
 };
 
 /// The part has its corners within `reach` of its `middle` [m]. Adds to `crossings` [m].
-Share share_with(const Kin& kin, const Polygon2& polygon, Point2 middle, double reach, Crossings& crossings);
+PartShare share_with(const Kin& kin, const Polygon2& polygon, Point2 middle, double reach,
+                     Crossings& crossings);
 
 }  // namespace lumbrical

@@ -54,13 +54,13 @@ inline constexpr double kLeastGap = 1e-7;
 
 /// Singularities seen from an interval: how far from it are the nearest two to either side of its middle, and
 /// the nearest that is not weak; or the first that lies inside, which divides it.
-struct Surroundings {
+struct NearSingularities {
   const Singularity* inside = nullptr;
   double left = 1e300, right = 1e300, second_left = 1e300, second_right = 1e300, strong = 1e300;
 };
-inline Surroundings surroundings_of(double lower, double upper, const Singularities& singularities) {
+inline NearSingularities surroundings_of(double lower, double upper, const Singularities& singularities) {
   const double length = upper - lower;
-  Surroundings near;
+  NearSingularities near;
   for (std::size_t i = 0; i < singularities.count; ++i) {
     const Singularity& point = singularities.point[i];
     const bool inside =
