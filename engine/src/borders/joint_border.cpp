@@ -2,7 +2,6 @@
 
 #include <cmath>
 
-#include "base/share_along.h"
 #include "index/triangle_bound.h"
 #include "section/section.h"
 
@@ -103,23 +102,6 @@ Vec3 half_way(Vec3 here, Vec3 next) {
   const Vec3 across = sum - (dot(sum, apart) / square) * apart;
   const Vec3 some = std::fabs(here.x) < 0.6 ? Vec3{1, 0, 0} : Vec3{0, 1, 0};
   return unit_or(norm(across) > 1e-14 ? across : cross(here, some), {1, 0, 0});
-}
-
-double segment_distance(const Segment& a, const Segment& b) {
-  const auto square_of = [](Vec3 v) { return dot(v, v); };
-  const auto from_point = [&](Vec3 p, const Segment& s) {
-    const Vec3 axis = s.end2 - s.end1, from = p - s.end1;
-    return square_of(from - share_along(axis, from) * axis);
-  };
-  double least = min(min(from_point(a.end1, b), from_point(a.end2, b)),
-                     min(from_point(b.end1, a), from_point(b.end2, a)));
-  const Vec3 u = a.end2 - a.end1, v = b.end2 - b.end1, w = b.end1 - a.end1, n = cross(u, v);
-  const double square = square_of(n);
-  if (square > 0) {
-    const double s = dot(cross(w, v), n) / square, t = dot(cross(w, u), n) / square;
-    if (s > 0 && s < 1 && t > 0 && t < 1) least = min(least, square_of(w + t * v - s * u));
-  }
-  return std::sqrt(least);
 }
 
 namespace {

@@ -8,6 +8,7 @@
 // one of the two comes into reach.
 #pragma once
 
+#include "base/segment_distance.h"
 #include "model/corners.h"
 #include "model/primitive.h"
 
@@ -28,14 +29,7 @@ void set_joint_borders(Primitives& hand);
 /// Fills hand.folded, likewise.
 void set_folded_fingers(Primitives& hand);
 
-struct Segment {
-  Vec3 end1, end2;  ///< [m]
-};
-
-/// [m] Least distance of two segments: of an end from the other one, or of the lines between their ends.
-double segment_distance(const Segment& a, const Segment& b);
-
-/// The same of two primitives' axes.
+/// [m] Least distance of two primitives' axes.
 inline double segment_distance(const Primitive& a, const Primitive& b) {
   return segment_distance(Segment{a.end1, a.end2}, Segment{b.end1, b.end2});
 }
