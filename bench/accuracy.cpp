@@ -46,10 +46,8 @@ struct Evaluator {
 
 // One pair at a time; in a tick pairs share their lanes and cost less (pair_bench).
 bool collide_exactly(const Pair& pair, Law law, Contact& contact) {
-  static thread_local Boundary boundary;
   const ContactQuery query{law, kPointArea, nullptr, exact_kernels(widest_isa())};
-  return collide(pair.primitive, query, {pair.corners[0], pair.corners[1], pair.corners[2]}, boundary,
-                 contact);
+  return collide(pair.primitive, query, {pair.corners[0], pair.corners[1], pair.corners[2]}, contact);
 }
 
 /// A further precision is one more line here.

@@ -40,7 +40,6 @@ PairScene make_pairs(Kind kind, double size, bool inside, Isa isa) {
   part.end2 = part.end1 = random.in_box(0.1);
   if (kind != Kind::sphere) part.end2 += 0.025 * random.direction();
   scene.model.execution.isa = isa;
-  Boundary boundary;
   Mesh mesh;
   while (scene.candidates.size() < kPairs) {
     const Vec3 on_axis = part.end1 + random.between(0, 1) * (part.end2 - part.end1);
@@ -49,7 +48,7 @@ PairScene make_pairs(Kind kind, double size, bool inside, Isa isa) {
     const Vec3 corner[3] = {at + size * random.direction(), at + size * random.direction(),
                             at + size * random.direction()};
     Contact contact;
-    if (!collide(part, {}, {corner[0], corner[1], corner[2]}, boundary, contact)) continue;
+    if (!collide(part, {}, {corner[0], corner[1], corner[2]}, contact)) continue;
     const double area = 0.5 * norm(cross(corner[1] - corner[0], corner[2] - corner[0]));
     if (inside != (contact.area > 0.999999 * area)) continue;
     scene.candidates.push_back(mesh.triangles.size());

@@ -38,14 +38,13 @@ Pairs make_pairs(bool is_sphere, Law law) {
   part.law = law;
   part.radius1 = part.radius2 = kRadius;
   if (!is_sphere) part.end2 = kLength * random.direction();
-  Boundary boundary;
   Mesh mesh;
   while (pairs.candidates.size() < kPairs) {
     const Vec3 at = random.between(0, 1) * part.end2 + random.between(0, 1) * kRadius * random.direction();
     const Vec3 corner[3] = {at + kRadius * random.direction(), at + kRadius * random.direction(),
                             at + kRadius * random.direction()};
     Contact contact;
-    if (!collide(part, {}, {corner[0], corner[1], corner[2]}, boundary, contact)) continue;
+    if (!collide(part, {}, {corner[0], corner[1], corner[2]}, contact)) continue;
     pairs.candidates.push_back(mesh.triangles.size());
     add_triangle(corner[0], corner[1], corner[2], mesh);
   }

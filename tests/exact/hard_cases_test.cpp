@@ -36,8 +36,7 @@ struct Answer {
 
 Answer ask(const Primitive& primitive, Law law, Vec3 a, Vec3 b, Vec3 c) {
   Answer answer;
-  Boundary boundary;
-  answer.touches = collide(primitive, {law, 1e-4, nullptr}, {a, b, c}, boundary, answer.contact);
+  answer.touches = collide(primitive, {law, 1e-4, nullptr}, {a, b, c}, answer.contact);
   EXPECT_TRUE(!answer.touches || finite(answer.contact)) << law_name(law);
   return answer;
 }

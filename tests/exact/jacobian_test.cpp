@@ -54,12 +54,11 @@ Primitive moved(Primitive primitive, const Pose& X) {
 Matrix6 sum_over(const Mesh& mesh, Primitive primitive, Vec3 joint, const Pose& X) {
   primitive = moved(primitive, X);
   Matrix6 sum{};
-  Boundary boundary;
   for (const Triangle& t : mesh.triangles) {
     const Vec3 a = transform(X, mesh.vertices[t[0]]), b = transform(X, mesh.vertices[t[1]]),
                c = transform(X, mesh.vertices[t[2]]);
     Contact contact;
-    if (!collide(primitive, {}, {a, b, c}, boundary, contact)) continue;
+    if (!collide(primitive, {}, {a, b, c}, contact)) continue;
     EXPECT_TRUE(add_contact_jacobian(primitive, contact, transform(X, joint), {a, b, c}, sum));
   }
   return sum;
@@ -131,10 +130,9 @@ Matrix6 difference_of_forces(const test::RandomTouch& touch, double step) {
     for (const int i : {0, 1}) {
       const Vec3 by = (i == 0 ? -h : h) * kAxes[k % 3];
       const Pose X = k < 3 ? turn_about(touch.joint, by, {}) : turn_about(touch.joint, {}, by);
-      Boundary boundary;
       Contact contact;
       if (!collide(moved(touch.primitive, X), {}, {touch.corner[0], touch.corner[1], touch.corner[2]},
-                   boundary, contact)) {
+                   contact)) {
         continue;
       }
       side[i].force = contact.volume * contact.normal;
@@ -181,10 +179,9 @@ TEST(Jacobian, IsTheHessianOfAPotentialOverAClosedSurface) {
       primitive = moved(primitive, {random.in_box(0.02), random.rotation()});
       const Vec3 joint = primitive.end1 + random.in_box(0.01);
       Wrench wrench;
-      Boundary boundary;
       for (const Triangle& t : mesh.triangles) {
         Contact contact;
-        if (!collide(primitive, {}, {mesh.vertices[t[0]], mesh.vertices[t[1]], mesh.vertices[t[2]]}, boundary,
+        if (!collide(primitive, {}, {mesh.vertices[t[0]], mesh.vertices[t[1]], mesh.vertices[t[2]]},
                      contact)) {
           continue;
         }
@@ -277,9 +274,8 @@ TEST(Jacobian, StaysFiniteInDegeneratePoses) {
             primitive.cut_count = norm(cut) > 0 ? 1 : 0;
             primitive.cut[0] = {cut, start};
             Matrix6 sum{};
-            Boundary boundary;
             Contact contact;
-            if (!collide(primitive, {}, {a, b, c}, boundary, contact)) continue;
+            if (!collide(primitive, {}, {a, b, c}, contact)) continue;
             EXPECT_TRUE(add_contact_jacobian(primitive, contact, start, {a, b, c}, sum));
             EXPECT_LT(difference(sum, sum, 0.008), 1) << height;  // finite
           }

@@ -24,7 +24,6 @@ void set_corner(double (&corner)[3][MissTerms::kCapacity], std::size_t k, Vec3 p
 // Triangles whose nearest corner, edge or plane is about R away from the axis, where verdicts are hardest.
 TEST(Kernels, WhatTheyCallACertainMissHasNoContact) {
   Random random(5);
-  Boundary boundary;
   int misses = 0, touches = 0;
   for (int round = 0; round < 300; ++round) {
     Primitive p;
@@ -58,8 +57,8 @@ TEST(Kernels, WhatTheyCallACertainMissHasNoContact) {
     exact_kernels(Isa::scalar).certain_misses(terms);
     for (std::size_t k = 0; k < terms.count; ++k) {
       Contact contact;
-      const bool touching = collide(p, {Law::max_depth, 1e-4, nullptr},
-                                    {corners[k][0], corners[k][1], corners[k][2]}, boundary, contact);
+      const bool touching =
+          collide(p, {Law::max_depth, 1e-4, nullptr}, {corners[k][0], corners[k][1], corners[k][2]}, contact);
       touches += touching ? 1 : 0;
       if (terms.miss[k] == 0) continue;
       ++misses;

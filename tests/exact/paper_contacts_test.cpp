@@ -28,9 +28,8 @@ void expect_agreement(const Pair& pair, Isa isa, Found& found) {
     ++found.unsure;
     return;
   }
-  Boundary boundary;
   const double r = kPairRadius, area = r * r;
-  const bool expected = general_contact(pair.primitive, {Law::max_depth}, pair.at, boundary, general);
+  const bool expected = general_contact(pair.primitive, {Law::max_depth}, pair.at, general);
   if ((status[0] == kContact) != expected) {
     EXPECT_LT(expected ? general.area : contact.area, 1e-12 * area);
     return;
@@ -121,11 +120,10 @@ TEST(PaperContacts, OfAFingerAreThoseOfTheGeneralPathThroughAllPhalanges) {
     model.triangles = world_of(mesh);
     std::vector<Contact> contacts(candidates.size());
     contacts.resize(find_contacts(model, hand, candidates, contacts));
-    Boundary boundary;
     for (const Contact& contact : contacts) {
       Contact general = contact;
       hand_contact(hand, exact_kernels(Isa::scalar), kPointArea,
-                   corners_of(model.triangles, contact.triangle), boundary, general);
+                   corners_of(model.triangles, contact.triangle), general);
       if (!(general.area > 1e-12 * kPairRadius * kPairRadius)) continue;
       ++touching;
       EXPECT_NEAR(contact.area, general.area, 1e-11 * kPairRadius * kPairRadius);

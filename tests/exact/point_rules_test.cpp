@@ -203,7 +203,6 @@ TEST(PointRules, LeaveNoMoreOfADistanceThanTheirBound) {
 // Sizes of 1e-4 to 1 R, so that rules and the closed form have their share.
 TEST(PointRules, OfTrianglesWhollyInsideStateErrorsThatHold) {
   Random random(9);
-  Boundary boundary;
   int inside = 0, by_rules = 0, usual = 0;
   for (int i = 0; i < 600; ++i) {
     Primitive p;
@@ -224,7 +223,7 @@ TEST(PointRules, OfTrianglesWhollyInsideStateErrorsThatHold) {
     ++inside;
     const ContactQuery query{Law::field, 1e-4, nullptr, exact_kernels(Isa::scalar)};
     Contact contact;
-    ASSERT_TRUE(collide(p, query, {corner[0], corner[1], corner[2]}, boundary, contact));
+    ASSERT_TRUE(collide(p, query, {corner[0], corner[1], corner[2]}, contact));
     const double off = std::fabs(static_cast<double>(contact.volume - wanted.field.amount));
     const auto most = [&](double share) { return most_stated(share, p.radius1, p.end1, corner, area); };
     EXPECT_LE(off, contact.error) << "pair " << i << ", size " << size / 0.008 << ", area " << area;

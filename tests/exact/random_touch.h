@@ -56,9 +56,7 @@ inline RandomTouch random_touch(TouchForm form, int cut_count, Random& random) {
       touch.corner[i] =
           middle + size * random.between(0.4, 1) * (std::cos(angle[i]) * u + std::sin(angle[i]) * v);
     }
-    Boundary boundary;
-    if (collide(primitive, {}, {touch.corner[0], touch.corner[1], touch.corner[2]}, boundary,
-                touch.contact) &&
+    if (collide(primitive, {}, {touch.corner[0], touch.corner[1], touch.corner[2]}, touch.contact) &&
         touch.contact.area > 1e-4 * touch.radius * touch.radius) {
       return touch;
     }

@@ -16,16 +16,15 @@ namespace lumbrical::test {
 namespace {
 
 void expect_agreement(const Pair& pair, Isa isa, int& touching) {
-  Boundary boundary;
   Contact contact, general;
   ContactQuery query;
   const bool expected = [&] {
     Primitive aside = pair.primitive;
     aside.law = Law::column;  // keeps it from the kernel; the law asked for stays the query's
-    return collide(aside, query, pair.at, boundary, general);
+    return collide(aside, query, pair.at, general);
   }();
   const ContactQuery in_lanes{Law::field, 1e-4, nullptr, exact_kernels(isa)};
-  const bool touches = collide(pair.primitive, in_lanes, pair.at, boundary, contact);
+  const bool touches = collide(pair.primitive, in_lanes, pair.at, contact);
   const double r = kPairRadius, area = r * r, volume = r * r * r;
   if (touches != expected) {
     EXPECT_LT(touches ? contact.area : general.area, 1e-12 * area);
@@ -122,12 +121,11 @@ TEST(RoundContacts, OfATriangleBetweenTwoTilesCountOnce) {
   right.cut[0] = {-1.0 * normal, {0.03, 0, 0}};
   const Vec3 along{-0.6, 0.8, 0}, up{0, 0, 1}, base{0.03, 0, 0};
   const Vec3 a = base - 0.001 * along, b = base + 0.002 * along, c = base + 0.001 * up;
-  Boundary boundary;
   for (const bool turned : {false, true}) {
     int felt = 0;
     for (const Primitive& part : {left, right}) {
       Contact contact;
-      felt += collide(part, {}, {a, turned ? c : b, turned ? b : c}, boundary, contact) ? 1 : 0;
+      felt += collide(part, {}, {a, turned ? c : b, turned ? b : c}, contact) ? 1 : 0;
     }
     EXPECT_EQ(felt, 1);
   }

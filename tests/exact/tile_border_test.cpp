@@ -18,12 +18,11 @@ using namespace test;
 
 // One pair by the way that needs no lanes.
 Contact alone(const Primitives& hand, const Primitive& tile, const Corners& t) {
-  Boundary boundary;
   Contact contact;
   const TileBorders borders = borders_on(hand, tile, t);
-  const bool touches =
-      borders.any() ? collide_shared(hand, tile, borders, exact_kernels(Isa::scalar), t, boundary, contact)
-                    : collide(tile, {tile.law, 1e-4, &hand}, t, boundary, contact);
+  const bool touches = borders.any()
+                           ? collide_shared(hand, tile, borders, exact_kernels(Isa::scalar), t, contact)
+                           : collide(tile, {tile.law, 1e-4, &hand}, t, contact);
   return touches ? contact : Contact{};
 }
 
@@ -267,11 +266,9 @@ TEST(TileBorder, PlanesAreExactWhereTheBorderDoesNotMatter) {
       const TileBorders everywhere{k > 0, k < 2, k != 1 && hand.folded[1]};
       const Primitive& tile = hand.primitive[k];
       if (borders_on(hand, tile, t).any()) continue;
-      Boundary boundary;
       Contact quick, slow;
-      const bool touches = collide(tile, {Law::field, 1e-4, &hand}, t, boundary, quick);
-      if (!collide_shared(doubtful, doubtful.primitive[k], everywhere, exact_kernels(Isa::scalar), t,
-                          boundary, slow))
+      const bool touches = collide(tile, {Law::field, 1e-4, &hand}, t, quick);
+      if (!collide_shared(doubtful, doubtful.primitive[k], everywhere, exact_kernels(Isa::scalar), t, slow))
         slow = {};
       if (!touches) quick = {};
       EXPECT_NEAR(quick.volume / std::pow(kRadius, 3), slow.volume / std::pow(kRadius, 3), 1e-10)

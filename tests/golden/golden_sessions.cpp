@@ -354,7 +354,6 @@ std::uint64_t hash_jacobians(const Execution& execution) {
 
 std::uint64_t hash_pairs(Isa isa) {
   Random random(17);
-  Boundary boundary;
   Hasher hasher;
   for (std::uint64_t i = 0; i < 900; ++i) {
     const Primitive primitive = random_primitive(random, i % 3);
@@ -367,7 +366,7 @@ std::uint64_t hash_pairs(Isa isa) {
                c = near + size * random.direction();
     Contact contact{};
     const ContactQuery query{Law::field, 1e-4, nullptr, exact_kernels(isa)};
-    hasher.value(collide(primitive, query, {a, b, c}, boundary, contact));
+    hasher.value(collide(primitive, query, {a, b, c}, contact));
     hasher.bytes(&contact, sizeof contact);
   }
   return hasher.digest();

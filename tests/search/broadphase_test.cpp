@@ -84,7 +84,6 @@ Primitive random_primitive(Random& random, Vec3 centre, double scale) {
 
 // A pair of which the general way computes more than rounding must be a candidate.
 int count_contacts(const Model& model, const Primitives& hand, const Candidates& candidates) {
-  Boundary boundary;
   int contacts = 0;
   for (std::uint64_t i = 0; i < hand.count; ++i) {
     for (std::uint32_t k = 0; k < model.triangles.size(); ++k) {
@@ -92,8 +91,7 @@ int count_contacts(const Model& model, const Primitives& hand, const Candidates&
       Contact contact;
       const Primitive& primitive = hand.primitive[i];
       const double digits = 1e-12 * primitive.radius1 * primitive.radius1;
-      if (!collide(primitive, {Law::max_depth, 1e-4, nullptr}, {a, b, c}, boundary, contact) ||
-          contact.area < digits)
+      if (!collide(primitive, {Law::max_depth, 1e-4, nullptr}, {a, b, c}, contact) || contact.area < digits)
         continue;
       ++contacts;
       EXPECT_TRUE(std::binary_search(candidates.begin(), candidates.end(), i << 32 | k))

@@ -27,8 +27,7 @@ MovedContact contact_of_moved(const ExactKernels& kernels, const Primitives& han
                               Vec3 joint, const Corners& at, Vec3 shift, Vec3 angle) {
   const Quat turn = normalized(small_rotation(angle));
   const auto seen = [&](Vec3 p) { return joint + rotate(conjugate(turn), p - joint - shift); };
-  Boundary boundary;
-  hand_contact(hand, kernels, 0, {seen(at.a), seen(at.b), seen(at.c)}, boundary, contact);
+  hand_contact(hand, kernels, 0, {seen(at.a), seen(at.b), seen(at.c)}, contact);
   if (!(contact.area > 0)) return {};
   const Vec3 force = contact.volume * contact.normal;
   return {{rotate(turn, force), rotate(turn, cross(contact.centre - joint, force))}, contact.error};

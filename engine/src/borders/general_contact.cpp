@@ -40,9 +40,10 @@ double depth_below(const Primitive& primitive, const ContactQuery& query, const 
 
 // One pair by the laws in general. False where there is no common area.
 bool collide_section(const Primitive& primitive, const ContactQuery& query, const Section& section,
-                     Boundary& boundary, Contact& contact) {
+                     Contact& contact) {
   const Overlap overlap = classify(section);
   if (overlap == Overlap::apart) return false;
+  Boundary boundary;
   if (overlap == Overlap::partial) trace_boundary(section, boundary);
   const AreaMoments area = common_area(section, overlap, boundary);
   if (!(area.area > 0)) return false;
@@ -80,10 +81,9 @@ bool collide_section(const Primitive& primitive, const ContactQuery& query, cons
 }  // namespace
 
 bool general_contact(const Primitive& primitive, const ContactQuery& query, const Corners& at,
-                     Boundary& boundary, Contact& contact) {
+                     Contact& contact) {
   Section section;
-  if (!look_from_plane(primitive, at, section) ||
-      !collide_section(primitive, query, section, boundary, contact))
+  if (!look_from_plane(primitive, at, section) || !collide_section(primitive, query, section, contact))
     return false;
   if (query.law == Law::field || query.law == Law::column)
     contact.error += plane_rounding(section.origin, at) * contact.area;
@@ -97,18 +97,18 @@ void press_by_depth(Law law, double point_area, Vec3 deepest, Contact& contact) 
 }
 
 void hand_contact(const Primitives& hand, const ExactKernels& kernels, double point_area, const Corners& at,
-                  Boundary& boundary, Contact& contact) {
+                  Contact& contact) {
   const Primitive& primitive = hand.primitive[contact.primitive];
   contact.error = 0;
   bool touches = false;
   if (primitive.shape == Shape::slab) {
     touches = collide_slab(slab_of(hand.palm, primitive), primitive.law, point_area, at, contact);
   } else if (const TileBorders borders = borders_on(hand, primitive, at); borders.any()) {
-    touches = collide_shared(hand, primitive, borders, kernels, at, boundary, contact);
+    touches = collide_shared(hand, primitive, borders, kernels, at, contact);
     contact.depth = 0;
   } else {
     const ContactQuery query{primitive.law, point_area, &hand, kernels, primitive.law != Law::field};
-    touches = general_contact(primitive, query, at, boundary, contact);
+    touches = general_contact(primitive, query, at, contact);
   }
   if (!touches) contact.area = 0;
 }

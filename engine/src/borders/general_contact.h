@@ -20,9 +20,9 @@ struct ContactQuery {
 };
 
 /// Contact of a round or flat primitive, cut by its planes, with the triangle `at` [m, W]. Sets everything
-/// but the indices. `boundary` is working memory. False where they have no area in common.
+/// but the indices. False where they have no area in common.
 bool general_contact(const Primitive& primitive, const ContactQuery& query, const Corners& at,
-                     Boundary& boundary, Contact& contact);
+                     Contact& contact);
 
 /// Sets volume and centre by the laws that take them from the contact's depth, which is largest at `deepest`
 /// [m, W], and from its area and centroid.
@@ -32,7 +32,7 @@ void press_by_depth(Law law, double point_area, Vec3 deepest, Contact& contact);
 /// it is and shares out with others; of a round or flat one without depth under the field law. An area of
 /// zero marks that there is none.
 void hand_contact(const Primitives& hand, const ExactKernels& kernels, double point_area, const Corners& at,
-                  Boundary& boundary, Contact& contact);
+                  Contact& contact);
 
 /// Contact::depth of such a contact of a round primitive under the field law.
 double hand_depth(const Primitives& hand, const Primitive& primitive, const Corners& at);

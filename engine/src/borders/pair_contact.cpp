@@ -7,10 +7,9 @@
 
 namespace lumbrical {
 
-bool collide(const Primitive& primitive, const ContactQuery& query, const Corners& at, Boundary& boundary,
-             Contact& contact) {
+bool collide(const Primitive& primitive, const ContactQuery& query, const Corners& at, Contact& contact) {
   if (!suits_lanes(primitive) || query.law != Law::field)
-    return general_contact(primitive, query, at, boundary, contact);
+    return general_contact(primitive, query, at, contact);
   const RoundHull hull = round_hull(primitive);
   const Corners seen = seen_from(hull.origin, at);
   RoundTerms terms;
@@ -34,7 +33,7 @@ bool collide(const Primitive& primitive, const ContactQuery& query, const Corner
                     if (status == kContact) add_sliver(from, k, hull.origin, contact);
                   });
   }
-  if (status == kUnsure) return general_contact(primitive, query, at, boundary, contact);
+  if (status == kUnsure) return general_contact(primitive, query, at, contact);
   return contact.area > 0;
 }
 

@@ -6,9 +6,7 @@
 namespace lumbrical {
 
 /// Contact of a round or flat primitive with the triangle `at` [m, W], by the lanes where they know the
-/// way. Sets everything but the indices. `boundary` is working memory. False where they have no area in
-/// common.
-bool collide(const Primitive& primitive, const ContactQuery& query, const Corners& at, Boundary& boundary,
-             Contact& contact);
+/// way. Sets everything but the indices. False where they have no area in common.
+bool collide(const Primitive& primitive, const ContactQuery& query, const Corners& at, Contact& contact);
 
 }  // namespace lumbrical

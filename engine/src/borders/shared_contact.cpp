@@ -37,7 +37,6 @@ constexpr std::size_t kMostParts = 128;
 struct Work {
   Section& section;  // its polygon is the part at hand
   const ExactKernels& kernels;
-  Boundary& boundary;
   std::uint32_t kin_count = 0;
   std::array<Kin, 2> kin{};
   Kin others{};  // of two kin, the first against the second
@@ -80,10 +79,11 @@ void add_all(Work& work, const Kin* kin = nullptr) {
   if (section.polygon.count < 3) return;
   const Overlap overlap = classify(section);
   if (overlap == Overlap::apart) return;
-  trace_boundary(section, work.boundary);
-  const AreaMoments area = common_area(section, overlap, work.boundary);
+  Boundary boundary;
+  trace_boundary(section, boundary);
+  const AreaMoments area = common_area(section, overlap, boundary);
   if (!(area.area > 0) || (kin != nullptr && !(precedence(*kin, area.centroid) > 0))) return;
-  const PressureMoments field = field_moments(work.kernels, section, area, work.boundary);
+  const PressureMoments field = field_moments(work.kernels, section, area, boundary);
   work.area += area.area;
   work.area_first = work.area_first + area.area * area.centroid;
   work.volume += field.volume;
@@ -334,7 +334,7 @@ void cut_to_section(const Section& section, Polygon2& polygon) {
 }  // namespace
 
 bool collide_shared(const Primitives& hand, const Primitive& tile, const TileBorders& borders,
-                    const ExactKernels& kernels, const Corners& at, Boundary& boundary, Contact& contact) {
+                    const ExactKernels& kernels, const Corners& at, Contact& contact) {
   const std::size_t phalanx = tile.segment, place = phalanx % 3;
   // Where a border is not its plane it still has to lie near it; the others' planes are exact.
   Primitive cut = tile;
@@ -343,7 +343,7 @@ bool collide_shared(const Primitives& hand, const Primitive& tile, const TileBor
   if (borders.outer) widen(tile.cut_count - 1u);
   Section section;
   if (!look_from_plane(cut, at, section)) return false;
-  Work work{section, kernels, boundary};
+  Work work{section, kernels};
   const auto add_kin = [&](const Kin& kin) { work.kin[work.kin_count++] = kin; };
   if (borders.inner) add_kin(joint_kin(section, hand, phalanx - 1, false));
   if (borders.outer) add_kin(joint_kin(section, hand, phalanx, true));

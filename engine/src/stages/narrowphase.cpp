@@ -306,19 +306,18 @@ void add_slivers(Work& work) {
 // ---- 5. One at a time, what the lanes don't know or are unsure of ----
 
 void collide_alone(Work& work) {
-  Boundary boundary;
   const PairSlots& pairs = work.pairs;
   for (const std::uint32_t slot : work.alone) {
     Contact& contact = pairs.contact[slot];
     const Corners at = pairs.corners(slot);
     const OwnCuts* const own = work.own_cuts(slot);
     if (own == nullptr) {
-      hand_contact(pairs.hand, pairs.kernels, work.point_area, at, boundary, contact);
+      hand_contact(pairs.hand, pairs.kernels, work.point_area, at, contact);
       continue;
     }
     const Primitive tile = tile_cut_so(pairs.primitive(slot), own->cut);
     const ContactQuery query{tile.law, work.point_area, nullptr, pairs.kernels, false};
-    if (!general_contact(tile, query, at, boundary, contact)) contact.area = 0;
+    if (!general_contact(tile, query, at, contact)) contact.area = 0;
     add_own_bulge(work, slot);
   }
 }

@@ -54,13 +54,12 @@ Status probe(const Mesh& mesh, std::span<const ProbePrimitive> primitives, Law l
   }
   contacts.clear();
   const ExactKernels& kernels = exact_kernels(widest_isa());
-  Boundary boundary;
   for (std::size_t i = 0; i < posed.size(); ++i) {
     for (std::size_t k = 0; k < mesh.triangles.size(); ++k) {
       const auto& [a, b, c] = mesh.triangles[k];
       const Corners at{mesh.vertices[a], mesh.vertices[b], mesh.vertices[c]};
       Contact contact;
-      if (!collide(posed[i], {law, Settings{}.point_area, nullptr, kernels}, at, boundary, contact)) {
+      if (!collide(posed[i], {law, Settings{}.point_area, nullptr, kernels}, at, contact)) {
         continue;
       }
       contacts.push_back({static_cast<std::uint32_t>(k), static_cast<std::uint32_t>(i), contact.depth,
