@@ -46,8 +46,10 @@ struct Evaluator {
 
 // One pair at a time; in a tick pairs share their lanes and cost less (pair_bench).
 bool collide_exactly(const Pair& pair, Law law, Contact& contact) {
-  const ContactQuery query{law, kPointArea, nullptr, exact_kernels(widest_isa())};
-  return collide(pair.primitive, query, {pair.corners[0], pair.corners[1], pair.corners[2]}, contact);
+  const ContactQuery query{kPointArea, nullptr, exact_kernels(widest_isa())};
+  Primitive primitive = pair.primitive;
+  primitive.law = law;
+  return collide(primitive, query, {pair.corners[0], pair.corners[1], pair.corners[2]}, contact);
 }
 
 /// A further precision is one more line here.

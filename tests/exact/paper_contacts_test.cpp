@@ -29,7 +29,9 @@ void expect_agreement(const Pair& pair, Isa isa, Found& found) {
     return;
   }
   const double r = kPairRadius, area = r * r;
-  const bool expected = general_contact(pair.primitive, {Law::max_depth}, pair.at, general);
+  Primitive primitive = pair.primitive;
+  primitive.law = Law::max_depth;
+  const bool expected = general_contact(primitive, {}, pair.at, general);
   if ((status[0] == kContact) != expected) {
     EXPECT_LT(expected ? general.area : contact.area, 1e-12 * area);
     return;

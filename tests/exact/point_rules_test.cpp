@@ -221,7 +221,7 @@ TEST(PointRules, OfTrianglesWhollyInsideStateErrorsThatHold) {
     const double area = norm(cross(corner[1] - corner[0], corner[2] - corner[0])) / 2;
     if (wanted.area.amount < 0.999999 * area) continue;
     ++inside;
-    const ContactQuery query{Law::field, 1e-4, nullptr, exact_kernels(Isa::scalar)};
+    const ContactQuery query{1e-4, nullptr, exact_kernels(Isa::scalar)};
     Contact contact;
     ASSERT_TRUE(collide(p, query, {corner[0], corner[1], corner[2]}, contact));
     const double off = std::fabs(static_cast<double>(contact.volume - wanted.field.amount));

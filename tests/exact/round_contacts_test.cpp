@@ -17,13 +17,8 @@ namespace {
 
 void expect_agreement(const Pair& pair, Isa isa, int& touching) {
   Contact contact, general;
-  ContactQuery query;
-  const bool expected = [&] {
-    Primitive aside = pair.primitive;
-    aside.law = Law::column;  // keeps it from the kernel; the law asked for stays the query's
-    return collide(aside, query, pair.at, general);
-  }();
-  const ContactQuery in_lanes{Law::field, 1e-4, nullptr, exact_kernels(isa)};
+  const bool expected = general_contact(pair.primitive, {}, pair.at, general);
+  const ContactQuery in_lanes{1e-4, nullptr, exact_kernels(isa)};
   const bool touches = collide(pair.primitive, in_lanes, pair.at, contact);
   const double r = kPairRadius, area = r * r, volume = r * r * r;
   if (touches != expected) {

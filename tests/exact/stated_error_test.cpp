@@ -41,7 +41,7 @@ struct Stated {
 // The stated error must hold, and must not be so large that it says nothing.
 Stated expect_stated_error(const Primitive& p, const Triangle3& corner, double usual, int number) {
   Contact contact;
-  const ContactQuery query{Law::field, 1e-4, nullptr, exact_kernels(Isa::scalar)};
+  const ContactQuery query{1e-4, nullptr, exact_kernels(Isa::scalar)};
   if (!collide(p, query, {corner[0], corner[1], corner[2]}, contact)) return {};
   const reference::Solid solid{false, to_reference(p.end1), to_reference(p.end2), p.radius1, p.radius2};
   const auto wanted = reference::contact<long double>(solid, to_reference(corner), {true, false, false});

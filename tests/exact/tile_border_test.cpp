@@ -22,7 +22,7 @@ Contact alone(const Primitives& hand, const Primitive& tile, const Corners& t) {
   const TileBorders borders = borders_on(hand, tile, t);
   const bool touches = borders.any()
                            ? collide_shared(hand, tile, borders, exact_kernels(Isa::scalar), t, contact)
-                           : collide(tile, {tile.law, 1e-4, &hand}, t, contact);
+                           : collide(tile, {1e-4, &hand}, t, contact);
   return touches ? contact : Contact{};
 }
 
@@ -267,7 +267,7 @@ TEST(TileBorder, PlanesAreExactWhereTheBorderDoesNotMatter) {
       const Primitive& tile = hand.primitive[k];
       if (borders_on(hand, tile, t).any()) continue;
       Contact quick, slow;
-      const bool touches = collide(tile, {Law::field, 1e-4, &hand}, t, quick);
+      const bool touches = collide(tile, {1e-4, &hand}, t, quick);
       if (!collide_shared(doubtful, doubtful.primitive[k], everywhere, exact_kernels(Isa::scalar), t, slow))
         slow = {};
       if (!touches) quick = {};

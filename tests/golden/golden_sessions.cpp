@@ -365,7 +365,7 @@ std::uint64_t hash_pairs(Isa isa) {
     const Vec3 a = near + size * random.direction(), b = near + size * random.direction(),
                c = near + size * random.direction();
     Contact contact{};
-    const ContactQuery query{Law::field, 1e-4, nullptr, exact_kernels(isa)};
+    const ContactQuery query{1e-4, nullptr, exact_kernels(isa)};
     hasher.value(collide(primitive, query, {a, b, c}, contact));
     hasher.bytes(&contact, sizeof contact);
   }

@@ -25,7 +25,8 @@ bool runs_through_finger(const Primitive& primitive, const ContactQuery& query) 
 }
 
 Deepest deepest_of(const Primitive& primitive, const ContactQuery& query, const Section& section) {
-  const bool by_area = query.law == Law::field || query.law == Law::column || query.law == Law::centroid;
+  const bool by_area =
+      primitive.law == Law::field || primitive.law == Law::column || primitive.law == Law::centroid;
   if (by_area && !query.depth) return {};
   if (is_of_palm(primitive)) return largest_field(section);
   return runs_through_finger(primitive, query) ? finger_depth(*query.hand, primitive, section)
@@ -55,11 +56,11 @@ bool collide_section(const Primitive& primitive, const ContactQuery& query, cons
   contact.centre = contact.centroid;
   contact.normal = section.n;
   contact.error = 0;
-  switch (query.law) {
+  switch (primitive.law) {
     case Law::field:
     case Law::column: {
       if (overlap == Overlap::inside) trace_boundary(section, boundary);
-      const PressureMoments moments = is_of_palm(primitive) || query.law == Law::field
+      const PressureMoments moments = is_of_palm(primitive) || primitive.law == Law::field
                                           ? field_moments(query.kernels, section, area, boundary)
                                           : column_moments(section, boundary);
       contact.error = moments.error;
@@ -69,7 +70,7 @@ bool collide_section(const Primitive& primitive, const ContactQuery& query, cons
     }
     case Law::max_depth:
     case Law::point:
-      press_by_depth(query.law, query.point_area, to_world(section, deepest.point), contact);
+      press_by_depth(primitive.law, query.point_area, to_world(section, deepest.point), contact);
       break;
     case Law::centroid:
       contact.volume = area.area * max(0, depth_below(primitive, query, section, area.centroid));
@@ -85,7 +86,7 @@ bool general_contact(const Primitive& primitive, const ContactQuery& query, cons
   Section section;
   if (!look_from_plane(primitive, at, section) || !collide_section(primitive, query, section, contact))
     return false;
-  if (query.law == Law::field || query.law == Law::column)
+  if (primitive.law == Law::field || primitive.law == Law::column)
     contact.error += plane_rounding(section.origin, at) * contact.area;
   return true;
 }
@@ -107,7 +108,7 @@ void hand_contact(const Primitives& hand, const ExactKernels& kernels, double po
     touches = collide_shared(hand, primitive, borders, kernels, at, contact);
     contact.depth = 0;
   } else {
-    const ContactQuery query{primitive.law, point_area, &hand, kernels, primitive.law != Law::field};
+    const ContactQuery query{point_area, &hand, kernels, primitive.law != Law::field};
     touches = general_contact(primitive, query, at, contact);
   }
   if (!touches) contact.area = 0;

@@ -11,7 +11,6 @@ namespace lumbrical {
 
 /// What a pair's contact is computed for.
 struct ContactQuery {
-  Law law = Law::field;
   double point_area = 1e-4;  ///< [m^2] Settings::point_area
   const Primitives* hand =
       nullptr;  ///< whose phalanges the paper's depth runs through; none: the primitive alone

@@ -8,7 +8,7 @@
 namespace lumbrical {
 
 bool collide(const Primitive& primitive, const ContactQuery& query, const Corners& at, Contact& contact) {
-  if (!suits_lanes(primitive) || query.law != Law::field)
+  if (!suits_lanes(primitive) || primitive.law != Law::field)
     return general_contact(primitive, query, at, contact);
   const RoundHull hull = round_hull(primitive);
   const Corners seen = seen_from(hull.origin, at);

@@ -316,7 +316,7 @@ void collide_alone(Work& work) {
       continue;
     }
     const Primitive tile = tile_cut_so(pairs.primitive(slot), own->cut);
-    const ContactQuery query{tile.law, work.point_area, nullptr, pairs.kernels, false};
+    const ContactQuery query{work.point_area, nullptr, pairs.kernels, false};
     if (!general_contact(tile, query, at, contact)) contact.area = 0;
     add_own_bulge(work, slot);
   }

@@ -59,7 +59,7 @@ Status probe(const Mesh& mesh, std::span<const ProbePrimitive> primitives, Law l
       const auto& [a, b, c] = mesh.triangles[k];
       const Corners at{mesh.vertices[a], mesh.vertices[b], mesh.vertices[c]};
       Contact contact;
-      if (!collide(posed[i], {law, Settings{}.point_area, nullptr, kernels}, at, contact)) {
+      if (!collide(posed[i], {Settings{}.point_area, nullptr, kernels}, at, contact)) {
         continue;
       }
       contacts.push_back({static_cast<std::uint32_t>(k), static_cast<std::uint32_t>(i), contact.depth,
