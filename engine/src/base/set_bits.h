@@ -6,6 +6,8 @@
 
 namespace lumbrical {
 
+constexpr bool has_bit(std::uint64_t numbers, std::size_t number) { return (numbers >> number & 1u) != 0; }
+
 /// Calls take(number) for every number whose bit is set, ascending.
 template <class Take>
 inline void for_numbers(std::uint64_t numbers, const Take& take) {

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "base/set_bits.h"
 #include "base/steady_clock.h"
 #include "lumbrical/math.h"
 #include "lumbrical/safety.h"
@@ -109,7 +110,7 @@ void book_energy(const JointArray& wanted, HapticLoop& loop) {
 bool has_all_angles(const HapticLoop& loop) {
   const auto& sensors = loop.profile.sensors;
   return loop.any_feedback && std::all_of(sensors.begin(), sensors.end(), [&loop](const Sensor& sensor) {
-           return (loop.feedback.valid >> sensor.angle & 1u) != 0;
+           return has_bit(loop.feedback.valid, sensor.angle);
          });
 }
 
@@ -176,7 +177,7 @@ bool is_doubted(const HapticLoop& loop, std::size_t angle) {
   const bool measured =
       std::any_of(loop.profile.sensors.begin(), loop.profile.sensors.end(),
                   [angle](const Sensor& sensor) { return static_cast<std::size_t>(sensor.angle) == angle; });
-  return measured && (loop.feedback.valid >> angle & 1u) == 0;
+  return measured && !has_bit(loop.feedback.valid, angle);
 }
 
 // [N m] By how much more an actuator could make of the torque it makes about a joint.
@@ -254,7 +255,7 @@ Way way_from(const DeviceFeedback& first, const HapticLoop& loop) {
   way.between = in_seconds(std::max(last.asked - first.asked, last.time - first.time));
   for (std::size_t j = 0; j < kPhalanxCount; ++j) {
     const std::size_t a = flexion_angle(j);
-    const bool believed = (last.valid & first.valid) >> a & 1u;
+    const bool believed = has_bit(last.valid & first.valid, a);
     way.moved[j] = believed ? static_cast<double>(last.angle[a] - first.angle[a]) : 0;
   }
   return way;
@@ -314,12 +315,12 @@ bool put_angles(const HapticLoop& loop, std::int64_t now, DeviceFrame& frame) {
     frame.base = frame.base * Pose{{px, py, pz}, normalized({qw, qx, qy, qz})};
     frame.kind = InputKind::joint_angles;
     frame.angle.fill(0);
-    if ((frame.valid >> kWrist & 1u) == 0) frame.flags |= kTrackingLost;
+    if (!has_bit(frame.valid, kWrist)) frame.flags |= kTrackingLost;
     frame.joint = {};
     frame.valid = (1u << kJointCount) - 1;
   }
   for (std::size_t a = 0; a < kAngleCount; ++a) {
-    if ((loop.feedback.valid >> a & 1u) != 0) frame.angle[a] = loop.feedback.angle[a];
+    if (has_bit(loop.feedback.valid, a)) frame.angle[a] = loop.feedback.angle[a];
   }
   const bool known =
       has_all_angles(loop) && in_seconds(now - loop.feedback.asked) <= loop.profile.safety.answer_timeout;

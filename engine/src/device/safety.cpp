@@ -5,6 +5,7 @@
 #include <iterator>
 #include <string>
 
+#include "base/set_bits.h"
 #include "lumbrical/math.h"
 
 namespace lumbrical {
@@ -111,7 +112,7 @@ std::string safety_flag_names(std::uint32_t flags) {
       "command clamped", "slew limited", "soft start",   "another master"};
   std::string names;
   for (std::size_t bit = 0; bit < 32; ++bit) {
-    if ((flags >> bit & 1u) == 0) continue;
+    if (!has_bit(flags, bit)) continue;
     names += names.empty() ? "" : ", ";
     names += bit < std::size(kNames) ? std::string(kNames[bit]) : "flag " + std::to_string(bit);
   }

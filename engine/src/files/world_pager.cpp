@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "base/newest.h"
+#include "base/set_bits.h"
 #include "files/mapped_file.h"
 #include "index/sphere_grid.h"
 #include "index/sphere_tree.h"
@@ -48,7 +49,7 @@ bool box_round(const DeviceFrame& frame, Box& box) {
   Box hand;
   if (frame.kind == InputKind::joint_angles) hand.add(wrist, kAngleReach);
   for (std::size_t j = 0; j < kJointCount && frame.kind == InputKind::joint_poses; ++j) {
-    if ((frame.valid >> j & 1u) == 0) continue;
+    if (!has_bit(frame.valid, j)) continue;
     const auto& p = frame.joint[j].position;
     hand.add(transform(frame.base, {p[0], p[1], p[2]}));
   }

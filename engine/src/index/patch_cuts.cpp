@@ -3,6 +3,8 @@
 #include <bit>
 #include <cmath>
 
+#include "base/set_bits.h"
+
 namespace lumbrical {
 namespace {
 
@@ -79,7 +81,7 @@ void cut_triangle(const Corners& at, double step, std::vector<PatchPath>& paths)
 Corners part_at(Corners at, double step, PatchPath path) {
   if (path.part != PatchPath::kNoStrips) at = strips_of(at, step).part(path.part);
   for (int bit = static_cast<int>(std::bit_width(path.halves)) - 2; bit >= 0; --bit)
-    at = longest_first(at).half((path.halves >> bit & 1u) != 0);
+    at = longest_first(at).half(has_bit(path.halves, bit));
   return at;
 }
 

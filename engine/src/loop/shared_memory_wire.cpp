@@ -13,6 +13,7 @@
 #include <string>
 
 #include "base/floating_point.h"
+#include "base/set_bits.h"
 #include "base/steady_clock.h"
 #include "lumbrical/math.h"
 #include "lumbrical/shared_device.h"
@@ -137,7 +138,7 @@ bool SharedMemoryWire::take_answer(std::uint64_t cycle, WireAnswer& answer) cons
   answer.status.dead_man = said.dead_man == 0 || said.dead_man == 2;  // in doubt released
   answer.valid = 0;
   for (std::size_t a = 0; a < answer.angle.size(); ++a) {
-    const bool told = (said.valid >> a & 1u) != 0 && fits_float(said.angle[a]);
+    const bool told = has_bit(said.valid, a) && fits_float(said.angle[a]);
     answer.angle[a] = told ? static_cast<float>(said.angle[a]) : 0;
     answer.valid |= static_cast<std::uint32_t>(told) << a;
   }

@@ -7,6 +7,7 @@
 #include <new>
 #include <utility>
 
+#include "base/set_bits.h"
 #include "base/thread_signals.h"
 #include "loop/scheduling.h"
 #include "lumbrical/real_time.h"
@@ -242,7 +243,7 @@ void DeviceSink::Worker::take_angles(DeviceFeedback& feedback) const {
     const float angle = answer.angle[a];
     const bool possible =
         angle >= static_cast<float>(sensor.lower) && angle <= static_cast<float>(sensor.upper);
-    if ((answer.valid >> a & 1u) == 0 || !possible) continue;
+    if (!has_bit(answer.valid, a) || !possible) continue;
     feedback.angle[a] = angle;
     feedback.valid |= 1u << a;
   }

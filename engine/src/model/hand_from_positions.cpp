@@ -2,6 +2,7 @@
 // centimetre, which is enough for the palm, the only part that is felt there.
 #include "model/hand_from_positions.h"
 
+#include "base/set_bits.h"
 #include "model/convex_hull.h"
 
 namespace lumbrical {
@@ -22,7 +23,7 @@ constexpr int metacarpal(int finger) { return finger == 0 ? kThumbMetacarpal : 1
 constexpr int proximal(int finger) { return metacarpal(finger) + 1; }
 static_assert(metacarpal(1) == kIndexMetacarpal && metacarpal(4) == kLittleMetacarpal);
 
-bool knows(const HandPoints& points, int joint) { return (points.known >> joint & 1u) != 0; }
+bool knows(const HandPoints& points, int joint) { return has_bit(points.known, joint); }
 
 // Some unit vector at right angles to the unit vector v.
 Vec3 any_normal(Vec3 v) {

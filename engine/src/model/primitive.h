@@ -11,6 +11,7 @@
 #include <cmath>
 #include <cstdint>
 
+#include "base/set_bits.h"
 #include "lumbrical/math.h"
 #include "lumbrical/model.h"
 
@@ -89,7 +90,7 @@ struct JointBorder {
 struct Joints {
   std::array<Pose, kJointCount> pose;  ///< X_WJ
   std::uint32_t valid = 0;             ///< a bit for each joint
-  [[nodiscard]] bool has(int joint) const { return (valid >> joint & 1u) != 0; }
+  [[nodiscard]] bool has(int joint) const { return has_bit(valid, joint); }
   [[nodiscard]] Vec3 position(int joint) const { return pose[static_cast<std::size_t>(joint)].position; }
 };
 

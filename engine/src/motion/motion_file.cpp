@@ -2,6 +2,7 @@
 // have in common: time, completeness, size and side of the hand.
 #include "base/floating_point.h"
 #include "base/packed_content.h"
+#include "base/set_bits.h"
 #include "model/json_text.h"
 #include "motion/motion_formats.h"
 
@@ -137,7 +138,7 @@ Vec3 position_of(const DeviceFrame& frame, int joint) {
   return {p[0], p[1], p[2]};
 }
 
-bool is_valid(const DeviceFrame& frame, int joint) { return (frame.valid >> joint & 1u) != 0; }
+bool is_valid(const DeviceFrame& frame, int joint) { return has_bit(frame.valid, joint); }
 
 // A hand a thousand times too large or small is a wrong unit.
 Status check_size(const std::string& name, const Motion& motion) {

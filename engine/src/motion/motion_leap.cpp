@@ -1,6 +1,7 @@
 // LeapJS recordings (protocol 6): frames as objects, or packed into arrays whose first describes the layout.
 #include <nlohmann/json.hpp>
 
+#include "base/set_bits.h"
 #include "motion/motion_formats.h"
 #include "motion/motion_points.h"
 
@@ -159,7 +160,7 @@ Status read_fingers(const std::string& name, const std::string& where, const jso
     if (tool && *tool == true) continue;
     if (!read_number(find_member(pointable, "handId"), owner) || owner != hand_id) continue;
     const int finger = finger_type(pointable, hand_id);
-    if (finger < 0 || (seen >> finger & 1u) != 0) continue;
+    if (finger < 0 || has_bit(seen, finger)) continue;
     seen |= 1u << finger;
     const std::string at = where + ": " + std::string(finger_name(finger)) + ": ";
     Status status = read_finger(name, at, pointable, finger, unit, points, motion);

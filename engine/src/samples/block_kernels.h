@@ -1,6 +1,7 @@
 // Blocks of small patches as wholes: which are, and what a body feels of them.
 #pragma once
 
+#include "base/set_bits.h"
 #include "samples/body_fields.h"
 
 namespace lumbrical::LUMBRICAL_ISA {
@@ -160,8 +161,8 @@ inline SampleKernels::Sorted part_blocks(const BlockRows& rows, const BlockKinds
   for (std::size_t lane = 0; lane < count; ++lane) {
     if (kinds.kind[lane] < 0) continue;
     const std::uint32_t place = found[lane] >> shift;
-    if ((small >> lane & 1u) != 0) {
-      if ((all_outdone >> lane & 1u) == 0)
+    if (has_bit(small, lane)) {
+      if (!has_bit(all_outdone, lane))
         sink.patches[sorted.whole_count++] = {static_cast<std::uint16_t>(taken[lane].key), 1,
                                               level.first + place};
       const float field = kinds.field[lane] > 0 ? kinds.field[lane] : 0;

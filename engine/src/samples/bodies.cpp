@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "base/set_bits.h"
 #include "model/primitive.h"
 
 namespace lumbrical {
@@ -132,7 +133,7 @@ void set_bodies(const Primitives& hand, std::uint32_t segments, std::uint32_t fe
                 Bodies& bodies) {
   bodies.finger_count = 0;
   bodies.felt = 0;
-  const auto takes_part = [&](std::size_t i) { return hand.present[i] && (segments >> i & 1u) != 0; };
+  const auto takes_part = [&](std::size_t i) { return hand.present[i] && has_bit(segments, i); };
   for (std::size_t first = 0; first < kPhalanxCount;) {
     std::size_t last = first;
     while (last % 3 < 2 && takes_part(last) && takes_part(last + 1)) ++last;
@@ -145,7 +146,7 @@ void set_bodies(const Primitives& hand, std::uint32_t segments, std::uint32_t fe
     first = last + 1;
   }
   bodies.palm.corner_count = 0;
-  if ((segments >> kPalmSegment & 1u) != 0 && hand.joints.has(kPalm)) set_palm(hand.palm, rules, bodies.palm);
+  if (has_bit(segments, kPalmSegment) && hand.joints.has(kPalm)) set_palm(hand.palm, rules, bodies.palm);
   bodies.felt |= (felt >> kPalmSegment & 1u) << bodies.finger_count;
   bodies.origin[bodies.finger_count] = split_point(bodies.palm.origin);
 }

@@ -116,7 +116,7 @@ constexpr std::uint64_t parts_of_body(std::uint64_t parts, std::size_t body) {
   return parts >> body * Bodies::kTilesApart & ((std::uint64_t{1} << Bodies::kTilesApart) - 1);
 }
 
-inline bool is_felt(const Bodies& bodies, std::size_t body) { return (bodies.felt >> body & 1u) != 0; }
+inline bool is_felt(const Bodies& bodies, std::size_t body) { return has_bit(bodies.felt, body); }
 /// Those among `parts` that are felt.
 inline std::uint64_t felt_of(const Bodies& bodies, std::uint64_t parts) {
   std::uint64_t felt = 0;

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "base/prefetch.h"
+#include "base/set_bits.h"
 #include "samples/palm_kernels.h"
 #include "samples/tile_field.h"
 
@@ -178,8 +179,7 @@ LUMBRICAL_INLINE inline FingerView<V> view_finger(const FingerBody& finger, cons
   FingerView<V> view;
   for (std::size_t k = 0; k < FingerBody::kMostTiles; ++k) {
     view.tile[k] = not_met<V>();
-    if ((tiles >> k & 1u) != 0)
-      view.tile[k] = view_tile(finger.tile[k], static_cast<std::uint32_t>(k), discs);
+    if (has_bit(tiles, k)) view.tile[k] = view_tile(finger.tile[k], static_cast<std::uint32_t>(k), discs);
   }
   return view;
 }

@@ -4,6 +4,7 @@
 
 #include <optional>
 
+#include "base/set_bits.h"
 #include "samples/palm_kernels.h"
 #include "samples/tile_kernels.h"
 
@@ -122,7 +123,7 @@ inline std::uint32_t deepest_of(const PatchList& list, const Bodies& bodies, con
     touched += count_of(add_shares(seen[0].patch, cells[0].means(steps), rows, lane, sums, first_tile));
     if constexpr (kTiles == 2)
       touched += count_of(add_shares(seen[1].patch, cells[1].means(steps), rows, lane, sums, second_tile));
-    if ((sums.wanted >> palm_place & 1u) == 0) return;
+    if (!has_bit(sums.wanted, palm_place)) return;
     const auto [force, moment] = share_of(from_palm, cells[kTiles].means(steps));
     add_wrench(force, moment, lane, sums.of[palm_place]);
     touched += count_of(lanes_with(force));
@@ -231,7 +232,7 @@ std::uint32_t parts_lattice(const PatchList& list, const Bodies& bodies, std::ui
   for_rows<V>(list, [&](const PatchRows& rows, std::size_t lane) LUMBRICAL_INLINE {
     const SharingParts<V> sharing(rows, lane, bodies, parts);
     for (std::size_t k = 0; k < sharing.count; ++k) {
-      if ((sums.wanted >> sharing.number[k] & 1u) == 0) continue;
+      if (!has_bit(sums.wanted, sharing.number[k])) continue;
       using Point = typename SharingParts<V>::Point;
       const auto point = [&](V u, float v) { return sharing.at(k, u, V(v)); };
       CellSums<V> cells;

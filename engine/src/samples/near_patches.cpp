@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "base/at_least.h"
+#include "base/set_bits.h"
 
 namespace lumbrical {
 namespace {
@@ -17,7 +18,7 @@ constexpr std::array<SetLanes, 16> kSetLanes = [] {
   std::array<SetLanes, 16> all{};
   for (std::size_t bits = 0; bits < all.size(); ++bits) {
     for (std::uint32_t lane = 0; lane < 4; ++lane) {
-      if ((bits >> lane & 1u) != 0) all[bits].lane[all[bits].count++].place = lane;
+      if (has_bit(bits, lane)) all[bits].lane[all[bits].count++].place = lane;
     }
   }
   return all;
@@ -50,7 +51,7 @@ void begin_in_order(std::uint32_t classes, CountByKey& by_key) {
   std::uint32_t sum = 0;
   for (std::size_t k = 0; k < kPatchClasses; ++k) {
     const auto of_class = std::span(by_key).subspan(k * kind::kCount, kind::kCount);
-    if ((classes >> k & 1u) == 0) {
+    if (!has_bit(classes, k)) {
       std::fill(of_class.begin(), of_class.end(), sum);
     } else {
       for (std::uint32_t& number : of_class) sum += std::exchange(number, sum);

@@ -6,6 +6,7 @@
 
 #include "base/at_least.h"
 #include "base/prefetch.h"
+#include "base/set_bits.h"
 
 namespace lumbrical {
 namespace {
@@ -196,8 +197,8 @@ struct Lists {
   void add_together(const FoundPatches& entry, std::size_t body, unsigned lanes, const SharedBlock& shared) {
     const auto first = static_cast<std::uint32_t>(body * Bodies::kTilesApart) + kTileOfKind[kind_of(entry)];
     for_numbers(lanes, [&](std::size_t lane) {
-      const auto is_of = [&](std::size_t i) { return (shared.of_body[i] >> lane & 1u) != 0; };
-      const bool has_two = (shared.of_two >> lane & 1u) != 0, has_palm = is_of(bodies.finger_count);
+      const auto is_of = [&](std::size_t i) { return has_bit(shared.of_body[i], lane); };
+      const bool has_two = has_bit(shared.of_two, lane), has_palm = is_of(bodies.finger_count);
       std::size_t other = body + 1;
       while (has_two && other < bodies.finger_count && !is_of(other)) ++other;
       if (has_two && other == bodies.finger_count) return;  // listed by the other finger

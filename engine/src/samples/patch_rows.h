@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "base/prefetch.h"
+#include "base/set_bits.h"
 #include "samples/columns.h"
 #include "samples/lattice.h"
 #include "samples/sample_kernels.h"
@@ -283,7 +284,7 @@ LUMBRICAL_INLINE inline unsigned add_shares(const PatchInFrame<V>& patch, const 
   unsigned any = 0;
   for_tiles<V>(rows, lane, [&](std::uint32_t code, bool all, auto its) LUMBRICAL_INLINE {
     const std::uint32_t tile = tile_of(code);
-    if ((sums.wanted >> tile & 1u) == 0) return;
+    if (!has_bit(sums.wanted, tile)) return;
     if (all) {
       any = lanes_with(share.force);
       return add_wrench(share.force, share.moment, lane, sums.of[tile]);

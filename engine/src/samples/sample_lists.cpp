@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "base/set_bits.h"
+
 namespace lumbrical {
 namespace {
 
@@ -32,7 +34,7 @@ PatchList wanted_of(SampleWork& work, std::uint32_t first, std::uint32_t last, s
   std::uint64_t innermost = 0;
   for (std::uint32_t k = 0; k < sharers_of(first); ++k) innermost |= wanted >> k;
   const auto is_wanted = [innermost](const ListedPatch& patch) {
-    return (innermost >> first_tile(patch.tile) & 1u) != 0;
+    return has_bit(innermost, first_tile(patch.tile));
   };
   const std::uint64_t listed_for = work.near.tiles_of_kinds(first, last, patch_class);
   if ((listed_for & innermost) == 0) return {};

@@ -55,7 +55,7 @@ struct Touched {
     plane.u = (1 / norm(edge)) * edge;
     plane.v = cross(plane.n, plane.u);
     for (std::size_t i = 0; i < kPhalanxCount; ++i) {
-      if ((segments >> i & 1u) == 0) continue;
+      if (!has_bit(segments, i)) continue;
       const Primitive& phalanx = hand.capsule[i];
       cone[i] = cone_from(plane, phalanx.end1, phalanx.end2, phalanx.radius1, phalanx.radius2);
     }
@@ -119,7 +119,7 @@ class OverlapLoss {
     if (segment % 3 < 2) add(segment, true);
     if (segment % 3 == 1 || !hand.folded[segment / 3]) return;
     const std::size_t across = segment % 3 == 0 ? segment + 2 : segment - 2;
-    if ((touched.segments >> across & 1u) != 0) across_ = across;
+    if (has_bit(touched.segments, across)) across_ = across;
   }
   /// What others are deeper in; adds to `error` [m^3] by how much that still changed.
   PartMoments lost(double& error) const {
@@ -312,8 +312,7 @@ std::uint32_t take_off_overlaps(const Model& model, const Primitives& hand, std:
   const Contacts contacts{hand, found};
   std::size_t count = 0;
   for (std::size_t i = 0; i < found.size(); ++i) {
-    if ((segments >> contacts.segment(i) & 1u) != 0)
-      room[count++] = std::uint64_t{found[i].triangle} << 32 | i;
+    if (has_bit(segments, contacts.segment(i))) room[count++] = std::uint64_t{found[i].triangle} << 32 | i;
   }
   if (count == 0) return 0;
   const auto touching = room.first(count);

@@ -1,6 +1,7 @@
 // One model after the other is felt like this: the world, then each object apart from it.
 #include "stages/feel_model.h"
 
+#include "base/set_bits.h"
 #include "base/wrench.h"
 #include "samples/sampled_forces.h"
 #include "stages/broadphase.h"
@@ -19,7 +20,7 @@ bool find_exact_candidates(const Model& model, const Primitives& hand, Scratch& 
   if (!find_candidates(model, hand, scratch)) return false;
   if (sampled == 0) return true;
   const auto is_left = [&](std::uint64_t pair) {
-    return (sampled >> hand.primitive[pair >> 32].segment & 1u) == 0;
+    return !has_bit(sampled, hand.primitive[pair >> 32].segment);
   };
   std::uint32_t count = 0;
   for (std::uint32_t i = 0; i < scratch.candidate_count; ++i) {
@@ -50,7 +51,7 @@ void add(const HandForces& more, HandForces& forces) {
 // Where no finger has a part in what the palm feels, it is felt alone.
 Joints joints_the_palm_asks_for(const Model& model, const Joints& all) {
   Joints joints = all;
-  const bool shared = (segments_felt_once(model) >> kPalmSegment & 1u) != 0;
+  const bool shared = has_bit(segments_felt_once(model), kPalmSegment);
   if (!shared) joints.valid &= 1u << kPalm | 1u << kWrist;
   return joints;
 }
@@ -171,7 +172,7 @@ Vec3 palm_force_moved(const Model& model, Vec3 by, Scratch& scratch, std::uint64
   place_hand(model.hand, model.settings, joints, {by, {}}, hand);
   scratch.samples->spent = evaluations;
   Vec3 force;
-  if ((sampled_segments(model) >> kPalmSegment & 1u) != 0) {
+  if (has_bit(sampled_segments(model), kPalmSegment)) {
     force = palm_force_by_samples(model, scratch, flags);
   } else {
     force = feel(model, scratch, evaluations, flags).segment[kPalmSegment].force;

@@ -6,6 +6,7 @@
 
 #include <cmath>
 
+#include "base/set_bits.h"
 #include "borders/joint_border.h"
 #include "model/swept_polygon.h"
 
@@ -165,7 +166,7 @@ std::uint32_t check_input(const DeviceFrame& frame) {
   }
   const Pose wrist = to_pose(frame.joint[kWrist]);
   for (std::size_t i = 0; i < kJointCount; ++i) {
-    if ((frame.valid >> i & 1u) == 0) continue;
+    if (!has_bit(frame.valid, i)) continue;
     const JointPose& joint = frame.joint[i];
     const auto& p = joint.position;
     const auto& q = joint.orientation;
@@ -176,7 +177,7 @@ std::uint32_t check_input(const DeviceFrame& frame) {
     }
     if (!rotation_usable(orientation)) flags |= kInputImplausible;
     const Vec3 from_wrist = Vec3{p[0], p[1], p[2]} - wrist.position;
-    if ((frame.valid >> kWrist & 1u) != 0 && !(norm(from_wrist) < kHandReach)) flags |= kInputImplausible;
+    if (has_bit(frame.valid, kWrist) && !(norm(from_wrist) < kHandReach)) flags |= kInputImplausible;
   }
   return flags;
 }

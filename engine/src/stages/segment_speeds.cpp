@@ -4,6 +4,7 @@
 #include <array>
 #include <utility>
 
+#include "base/set_bits.h"
 #include "base/shortened.h"
 #include "base/small_turn.h"
 #include "lumbrical/math.h"
@@ -57,7 +58,7 @@ bool has_jumped(const Joints& joints, double rate, HandState& state) {
   bool jumped = false;
   for (std::size_t i = 0; i < kEnds.size(); ++i) {
     const Vec3 was = std::exchange(state.ends[i], joints.has(kEnds[i]) ? joints.position(kEnds[i]) : Vec3{});
-    const bool both = joints.has(kEnds[i]) && (state.joints >> kEnds[i] & 1u) != 0;
+    const bool both = joints.has(kEnds[i]) && has_bit(state.joints, kEnds[i]);
     jumped = jumped || (both && !(norm(state.ends[i] - was) <= longest));
   }
   return jumped;
@@ -72,7 +73,7 @@ SegmentSpeeds speeds_of(double rate, bool trusted, const Primitives& hand,
     const Pose& X_WS = base_pose(hand, i);
     Pose& was = motion->segment[i];
     Twist& speed = motion->speed[i];
-    const bool known_before = (known >> base_joint_of(i) & 1u) != 0;
+    const bool known_before = has_bit(known, base_joint_of(i));
     speed = known_before ? steadied(speed, speed_between(was, X_WS, rate), rate) : Twist{};
     was = X_WS;
   }

@@ -3,6 +3,7 @@
 #include <cassert>
 
 #include "base/floating_point.h"
+#include "base/set_bits.h"
 #include "base/small_turn.h"
 #include "base/vector6.h"
 #include "base/wrench.h"
@@ -41,7 +42,7 @@ void add_exact(const Model& model, const Scratch& scratch, std::uint32_t segment
     const Contact& contact = scratch.contacts[i];
     const Primitive& primitive = hand.primitive[contact.primitive];
     SegmentJacobian& jacobian = jacobians[primitive.segment];
-    if ((segments >> primitive.segment & 1u) == 0 || !jacobian.known) continue;
+    if (!has_bit(segments, primitive.segment) || !jacobian.known) continue;
     // What rounding has left beyond a cut, or of a triangle without area.
     const double radius = max(primitive.radius1, primitive.radius2);
     if (contact.area < 1e-12 * radius * radius) continue;
@@ -112,7 +113,7 @@ void add_sampled_body(const Model& model, const Primitives& hand, std::size_t fi
     }
   }
   for (std::size_t i = first; i <= last; ++i) {
-    if ((segments >> i & 1u) == 0) continue;
+    if (!has_bit(segments, i)) continue;
     // A turn about the segment's own joint is one about the pivot and a shift of it.
     const Vec3 arm = pivot - hand.base_joint[i];
     for (std::size_t row = 0; row < 6; ++row) {
@@ -138,7 +139,7 @@ void add_sampled(const Model& model, const Primitives& hand, std::uint32_t segme
                        jacobians);
     }
   }
-  if ((segments >> kPalmSegment & 1u) != 0)
+  if (has_bit(segments, kPalmSegment))
     add_sampled_body(model, hand, kPalmSegment, kPalmSegment, 1u << kPalmSegment, memory, jacobians);
 }
 
@@ -161,7 +162,7 @@ void add_layer(const Model& layer, Scratch& scratch, std::uint32_t segments,
   std::array<SegmentJacobian, kSegmentCount> more;
   segment_jacobians(layer, scratch, more, segments);
   for (std::size_t i = 0; i < kSegmentCount; ++i) {
-    if ((segments >> i & 1u) == 0) continue;
+    if (!has_bit(segments, i)) continue;
     add(more[i], jacobians[i]);
     if (!jacobians[i].known) jacobians[i].value = {};
   }
@@ -171,7 +172,7 @@ void add_layer(const Model& layer, Scratch& scratch, std::uint32_t segments,
 void add_pushes(const PushList& pushing, const Primitives& hand, std::uint32_t segments,
                 std::array<SegmentJacobian, kSegmentCount>& jacobians) {
   for (const Gap& gap : pushing) {
-    if ((segments >> gap.segment & 1u) == 0 || !jacobians[gap.segment].known) continue;
+    if (!has_bit(segments, gap.segment) || !jacobians[gap.segment].known) continue;
     const Vec3 turn = cross(gap.point - hand.base_joint[gap.segment], gap.normal);
     add_square(-gap.stiffness, vector_of(gap.normal, turn), jacobians[gap.segment].value);
   }
@@ -187,9 +188,9 @@ void segment_jacobians(const Model& model, Scratch& scratch,
   const std::uint32_t by_samples = sampled_segments(model);
   // How what the exact rung leaves to deeper bodies changes isn't known.
   const std::uint32_t unknown = scratch.no_jacobian & ~by_samples;
-  const auto asked = [segments](std::size_t segment) { return (segments >> segment & 1u) != 0; };
+  const auto asked = [segments](std::size_t segment) { return has_bit(segments, segment); };
   for (std::size_t i = 0; i < kSegmentCount; ++i) {
-    if (asked(i)) jacobians[i] = {{}, own && model.settings.law[i] == Law::field && (unknown >> i & 1u) == 0};
+    if (asked(i)) jacobians[i] = {{}, own && model.settings.law[i] == Law::field && !has_bit(unknown, i)};
   }
   if (!own) return;
   const Primitives& hand = *scratch.primitives;
