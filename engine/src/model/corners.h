@@ -1,7 +1,9 @@
 // The corners of the world's triangles.
 #pragma once
 
+#include <span>
 #include <utility>
+#include <vector>
 
 #include "lumbrical/model.h"
 
@@ -26,6 +28,11 @@ inline Vec3 last_within(const Corners& at, Vec3 from, Vec3 to) {
 inline Corners corners_of(const Triangles& world, std::uint32_t triangle) {
   return {world.vertex(world.a[triangle]), world.vertex(world.b[triangle]), world.vertex(world.c[triangle])};
 }
+
+/// Those of meshes, one after the other. `turned` tells for each mesh whose last two corners change places;
+/// empty: none of its.
+Triangles gather_triangles(std::span<const Mesh* const> meshes, std::span<const std::vector<bool>> turned,
+                           std::size_t threads);
 
 /// Round the vertices that triangles name: scans carry stray ones far away. Empty where there are none.
 Box box_round(const Triangles& world, std::size_t threads);

@@ -58,38 +58,6 @@ ObjectList world_objects(const Scene& scene) {
   return objects;
 }
 
-// Each of the world's six arrays is written from end to end by one thread, whose memory it then is.
-// `turned` tells for each object whose last two corners change places; empty: none of its.
-Triangles gather_triangles(const ObjectList& objects, const std::vector<std::vector<bool>>& turned,
-                           std::size_t vertex_count, std::size_t triangle_count, std::size_t threads) {
-  constexpr std::array<double Vec3::*, 3> kAxis = {&Vec3::x, &Vec3::y, &Vec3::z};
-  std::array<std::vector<double>, 3> numbers;
-  std::array<std::vector<std::uint32_t>, 3> corners;
-  parallel_chunks(6, 1, threads, [&](std::size_t first, std::size_t last) {
-    for (std::size_t k = first; k < last; ++k) {
-      if (k % 2 == 0) {
-        numbers[k / 2].reserve(vertex_count);
-        for (const SceneObject* const object : objects) {
-          for (const Vec3& p : object->mesh.vertices) numbers[k / 2].push_back(p.*kAxis[k / 2]);
-        }
-        continue;
-      }
-      std::uint32_t first_vertex = 0;
-      corners[k / 2].reserve(triangle_count);
-      for (std::size_t i = 0; i < objects.size(); ++i) {
-        const Mesh& mesh = objects[i]->mesh;
-        for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-          const bool swap = k / 2 > 0 && !turned[i].empty() && turned[i][t];
-          corners[k / 2].push_back(first_vertex + mesh.triangles[t][swap ? 3 - k / 2 : k / 2]);
-        }
-        first_vertex += static_cast<std::uint32_t>(mesh.vertices.size());
-      }
-    }
-  });
-  return {std::move(numbers[0]), std::move(numbers[1]), std::move(numbers[2]),
-          std::move(corners[0]), std::move(corners[1]), std::move(corners[2])};
-}
-
 void list_objects(const ObjectList& from, std::vector<World::Object>& objects) {
   std::uint32_t triangle = 0, vertex = 0;
   for (const SceneObject* const object : from) {
@@ -131,12 +99,14 @@ Status take_objects(const ObjectList& objects, Model& model) {
   }
   if (Status status = check_counts(vertices, triangles); !status.ok()) return status;
   list_objects(objects, model.objects);
+  std::vector<const Mesh*> meshes;
   std::vector<std::vector<bool>> turned;
   for (std::size_t i = 0; i < objects.size(); ++i) {
+    meshes.push_back(&objects[i]->mesh);
     turned.push_back(
         turned_triangles(objects[i]->mesh, objects[i]->winding, threads, model.objects[i].winding));
   }
-  model.triangles = gather_triangles(objects, turned, vertices, triangles, threads);
+  model.triangles = gather_triangles(meshes, turned, threads);
   model.extent = box_round(model.triangles, threads);
   find_solids(model);
   return build_index(model);

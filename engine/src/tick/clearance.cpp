@@ -3,10 +3,12 @@
 #include "lumbrical/clearance.h"
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
 #include <memory>
 #include <utility>
+#include <vector>
 
 #include "base/floating_point.h"
 #include "index/sphere_tree.h"
@@ -65,18 +67,8 @@ struct ObjectSurface {
   TreeLayout layout;
 
   explicit ObjectSurface(const Mesh& mesh) {
-    std::array<std::vector<double>, 3> numbers;
-    std::array<std::vector<std::uint32_t>, 3> corners;
-    for (const Vec3& p : mesh.vertices) {
-      numbers[0].push_back(p.x);
-      numbers[1].push_back(p.y);
-      numbers[2].push_back(p.z);
-    }
-    for (const Triangle& t : mesh.triangles) {
-      for (std::size_t k = 0; k < 3; ++k) corners[k].push_back(t[k]);
-    }
-    triangles = {std::move(numbers[0]), std::move(numbers[1]), std::move(numbers[2]),
-                 std::move(corners[0]), std::move(corners[1]), std::move(corners[2])};
+    const Mesh* const meshes[] = {&mesh};
+    triangles = gather_triangles(meshes, std::vector<std::vector<bool>>(1), 1);
     tree = build_tree(triangles, Execution{});
     layout = layout_of(tree.head);
   }
