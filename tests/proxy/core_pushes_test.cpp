@@ -165,7 +165,7 @@ struct HandedOn {
   HandForces felt;
 
   explicit HandedOn(const Joints& finger) {
-    static_cast<void>(place_hand(default_hand(Side::right), {}, finger, {}, hand));
+    place_hand(default_hand(Side::right), {}, finger, {}, hand);
     place_axes(hand);
   }
   /// [N] On a segment, at its middle.

@@ -425,10 +425,7 @@ bool add_gaps(const Surroundings& around, const Joints& hand, double reach, Scra
   if (is_told(gaps)) return true;
   const Model& model = around.model;
   Primitives& placed = *scratch.primitives;
-  static_cast<void>(place_hand(model.hand, model.settings, hand, inverse(around.X_WM), placed));
-  if (!may_meet(model.hand, placed, model.extent)) return true;
-  shape_hand(model.hand, placed);
-  tile_hand(model.settings, placed);
+  if (!tile_hand_in(model, hand, inverse(around.X_WM), placed)) return true;
   keep_cores(reach, placed);
   if (!find_candidates(model, placed, scratch)) return false;
   const std::span<const std::uint64_t> all{scratch.candidates.data(), scratch.candidate_count};

@@ -249,12 +249,11 @@ Advance advance(const Model& model, const State& state, const Joints& tracked, S
       return step == 0 ? Advance::overflow_at_once : Advance::overflow;
     if (is_crossed(gaps)) return Advance::crossed;
     pairs += gaps.pairs;
-    const std::span<Gap> all{gaps.gap.begin(), gaps.gap.size()};
     HandMove wanted = way_to(tracked, proxy);
     const bool shortened = shorten(stiffness, wanted);
-    const HandMove move = pull(proxy, wanted, stiffness, state.proxy->balanced, all);
+    const HandMove move = pull(proxy, wanted, stiffness, state.proxy->balanced, gaps.gap);
     const Reached reached = reach_within(model.hand, allowance_of(longest, gaps), move, tracked, proxy);
-    list_pushes(model.hand, proxy, all, pushing);
+    list_pushes(model.hand, proxy, gaps.gap, pushing);
     const bool arrives = reached.share == 1 && !shortened && pushing.empty();
     proxy = arrives ? tracked : reached.joints;
     if (arrives || (reached.share == 1 && !pushing.empty())) break;
@@ -336,7 +335,7 @@ std::uint32_t follow_hand(const Model& model, bool trusted, State& state, Scratc
   }
   kept = kept_of(proxy, all, kept);
   proxy.valid = joints.valid;
-  static_cast<void>(place_hand(model.hand, model.settings, proxy, {}, hand));
+  place_hand(model.hand, model.settings, proxy, {}, hand);
   silence_untracked(hand, scratch.proxy->pushing);
   return 0;
 }

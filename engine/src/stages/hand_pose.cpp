@@ -188,11 +188,11 @@ std::uint32_t place_hand(const Hand& hand, const Settings& settings, const Devic
   return flags | place_parts(hand, settings, primitives);
 }
 
-std::uint32_t place_hand(const Hand& hand, const Settings& settings, const Joints& joints, const Pose& X_OW,
-                         Primitives& primitives) {
+void place_hand(const Hand& hand, const Settings& settings, const Joints& joints, const Pose& X_OW,
+                Primitives& primitives) {
   primitives.joints.valid = joints.valid;
   for (std::size_t i = 0; i < kJointCount; ++i) primitives.joints.pose[i] = X_OW * joints.pose[i];
-  return place_parts(hand, settings, primitives);
+  static_cast<void>(place_parts(hand, settings, primitives));
 }
 
 bool may_meet(const Hand& hand, const Primitives& primitives, const Box& world) {
@@ -230,6 +230,14 @@ void tile_hand(const Settings& settings, Primitives& primitives) {
     if (primitives.present[i]) add_phalanx(i, primitives);
   }
   if (primitives.joints.has(kPalm)) add_palm_parts(primitives.palm, settings.law[kPalmSegment], primitives);
+}
+
+bool tile_hand_in(const Model& model, const Joints& joints, const Pose& X_OW, Primitives& primitives) {
+  place_hand(model.hand, model.settings, joints, X_OW, primitives);
+  if (!may_meet(model.hand, primitives, model.extent)) return false;
+  shape_hand(model.hand, primitives);
+  tile_hand(model.settings, primitives);
+  return true;
 }
 
 }  // namespace lumbrical

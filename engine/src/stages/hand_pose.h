@@ -12,12 +12,12 @@ std::uint32_t check_input(const DeviceFrame& frame);
 
 /// Poses joints and whole phalanges in W and empties the list of primitives. Segments whose joints are
 /// missing are left out. Returns TickFlag bits. The frame must have passed check_input.
-std::uint32_t place_hand(const Hand& hand, const Settings& settings, const DeviceFrame& frame,
-                         Primitives& primitives);
+[[nodiscard]] std::uint32_t place_hand(const Hand& hand, const Settings& settings, const DeviceFrame& frame,
+                                       Primitives& primitives);
 
 /// The same of joints that are placed in a frame W already, as seen from another frame O.
-std::uint32_t place_hand(const Hand& hand, const Settings& settings, const Joints& joints, const Pose& X_OW,
-                         Primitives& primitives);
+void place_hand(const Hand& hand, const Settings& settings, const Joints& joints, const Pose& X_OW,
+                Primitives& primitives);
 
 /// Where segments turn, and about which axis they flex: `shape_hand` does it, too.
 void place_axes(Primitives& primitives);
@@ -31,5 +31,9 @@ void shape_hand(const Hand& hand, Primitives& primitives);
 /// Lists the primitives of a hand so shaped, how they border on each other, and which fingers are folded,
 /// unless it was done: for the exact rung.
 void tile_hand(const Settings& settings, Primitives& primitives);
+
+/// All of it for joints that are placed in W already, as seen from the model's frame O. False where the hand
+/// can't touch the model: it has no shape then.
+bool tile_hand_in(const Model& model, const Joints& joints, const Pose& X_OW, Primitives& primitives);
 
 }  // namespace lumbrical

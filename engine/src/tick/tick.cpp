@@ -233,13 +233,8 @@ std::span<const Contact> find_contacts(const Model& model, Scratch& scratch, std
   Scratch& own = *scratch.apart;
   Primitives& placed = *own.primitives;
   placed.count = 0;
-  if (is_trusted(hand.flags)) {
-    place_hand(shape.hand, shape.settings, hand.joints, inverse(scratch.object_output[object].pose), placed);
-    if (may_meet(shape.hand, placed, shape.extent)) {
-      shape_hand(shape.hand, placed);
-      tile_hand(shape.settings, placed);
-    }
-  }
+  if (is_trusted(hand.flags))
+    tile_hand_in(shape, hand.joints, inverse(scratch.object_output[object].pose), placed);
   find_exact_contacts(shape, own);
   return records(shape, own);
 }
