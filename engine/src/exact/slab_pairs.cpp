@@ -107,7 +107,7 @@ void collide_slab_pairs(const PairSlots& pairs, const Slab& slab, std::span<cons
     for (const RimPair& pair : rims) {
       if (cut_count(pair) == cuts) alike.push_back(pair);
     }
-    collide_rims(pairs, terms.faces, slab, cuts, {alike.begin(), alike.end()}, alone);
+    collide_rims(pairs, terms.faces, slab, cuts, alike, alone);
   }
 }
 

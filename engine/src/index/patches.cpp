@@ -114,8 +114,7 @@ void put_blocks(const Triangles& triangles, const Box& box, const Cutting& cutti
                       FixedList<Corners, kWidth> members;
                       for (std::size_t k = begin; k < end; ++k)
                         members.push_back(patch_at(triangles, cutting, step, order[k]));
-                      leaves[i] = put_block({members.begin(), members.size()}, step, origin, blocks[i],
-                                            shapes.data() + begin);
+                      leaves[i] = put_block(members, step, origin, blocks[i], shapes.data() + begin);
                     }
                   });
   patches.block = std::move(blocks);

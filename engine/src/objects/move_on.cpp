@@ -32,8 +32,7 @@ Twist step(const Model& model, const ApartObject& object, Wrench wrench, const O
     wrench.force += borne.force;
     wrench.torque += borne.torque;
   }
-  return advance_body(held_by_latch(object, state, handle), object.start, {springs.begin(), springs.size()},
-                      wrench, dt, state);
+  return advance_body(held_by_latch(object, state, handle), object.start, springs, wrench, dt, state);
 }
 
 }  // namespace

@@ -73,7 +73,7 @@ struct BlockFiller {
   void flush() {
     if (members.empty()) return;
     if (cuts.count < room) {
-      cuts.sphere[cuts.count] = put_block({members.begin(), members.size()}, step, {}, cuts.block[cuts.count],
+      cuts.sphere[cuts.count] = put_block(members, step, {}, cuts.block[cuts.count],
                                           cuts.shape.data() + cuts.count * PatchBlock::kWidth);
     }
     ++cuts.count;

@@ -1,6 +1,7 @@
 #include "samples/overlaps.h"
 
 #include <algorithm>
+#include <bit>
 #include <numeric>
 #include <tuple>
 
@@ -56,7 +57,7 @@ void mark_blocks(FoundByBody found, Overlaps& overlaps) {
   for_entries(found, [&](std::size_t body, const FoundPatches& entry) {
     if (is_block(kind_of(entry))) {
       overlaps.any_whole = true;
-      overlaps.taken_by[entry.block] = static_cast<std::uint8_t>(__builtin_ctzll(parts_in(entry, body)) + 1);
+      overlaps.taken_by[entry.block] = static_cast<std::uint8_t>(std::countr_zero(parts_in(entry, body)) + 1);
       return;
     }
     MetLanes& met = overlaps.met[entry.block];
@@ -206,7 +207,7 @@ struct Lists {
           has_two ? parts_of_body(shared.parts, other) << other * Bodies::kTilesApart : 0;
       overlaps.parts |= std::uint64_t{1} << first | second | std::uint64_t{has_palm} << palm_number(bodies);
       std::uint32_t code = first;
-      if (has_two) code += ListedPatch::kSecond * static_cast<std::uint32_t>(__builtin_ctzll(second));
+      if (has_two) code += ListedPatch::kSecond * static_cast<std::uint32_t>(std::countr_zero(second));
       if (!has_palm) code += ListedPatch::kWithoutPalm;
       overlaps.found_together[together++] = {
           {place_in(entry, lane), code},
@@ -294,7 +295,7 @@ void put_by_parts_in_order(std::span<FoundByParts> found, Overlaps& overlaps) {
     ++overlaps.count_by_parts[patch.patch_class];
     overlaps.parts |= patch.parts;
     const std::uint64_t first = patch.parts & (~patch.parts + 1);
-    overlaps.by_parts[i] = {patch.place, static_cast<std::uint32_t>(__builtin_ctzll(first))};
+    overlaps.by_parts[i] = {patch.place, static_cast<std::uint32_t>(std::countr_zero(first))};
   }
 }
 

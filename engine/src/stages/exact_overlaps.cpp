@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 
 #include "base/set_bits.h"
@@ -244,12 +245,9 @@ class OverlapLoss {
 };
 
 bool touches_two_bodies(std::uint32_t segments) {
-  const auto first = static_cast<std::size_t>(__builtin_ctz(segments));
-  for (; segments != 0; segments &= segments - 1) {
-    if (finger_or_palm_of(static_cast<std::size_t>(__builtin_ctz(segments))) != finger_or_palm_of(first))
-      return true;
-  }
-  return false;
+  const auto first = static_cast<std::size_t>(std::countr_zero(segments)),
+             last = static_cast<std::size_t>(std::bit_width(segments)) - 1;
+  return finger_or_palm_of(first) != finger_or_palm_of(last);
 }
 
 /// The contacts of a hand, and of some the indices, ascending, with their triangles: triangle << 32 | index.

@@ -160,8 +160,7 @@ std::size_t sort_pairs(std::span<const std::uint64_t> candidates, Work& work) {
 
 void cut_crossed(Work& work) {
   const PairSlots& pairs = work.pairs;
-  follow_borders(pairs, work.hulls, {work.ways.begin(), work.ways.size()},
-                 {work.own.begin(), work.own.size()});
+  follow_borders(pairs, work.hulls, work.ways, work.own);
   for (const std::uint32_t slot : work.crossed) {
     const Corners at = pairs.corners(slot);
     OwnCuts& own = *work.own_cuts(slot);
@@ -360,8 +359,7 @@ std::uint32_t find_contacts(const Model& model, const Primitives& hand,
   parallel_chunks(candidates.size(), chunk, threads, [&](std::size_t next, std::size_t last) {
     while (next < last) {
       const PairSlots pairs{model.triangles, hand, kernels, contacts.subspan(next)};
-      next += collide_some(pairs, {hulls.begin(), hulls.end()}, model.settings.point_area,
-                           candidates.subspan(next, last - next));
+      next += collide_some(pairs, hulls, model.settings.point_area, candidates.subspan(next, last - next));
     }
   });
   std::uint32_t count = 0;
