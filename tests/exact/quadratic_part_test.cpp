@@ -37,8 +37,8 @@ Triangle random_triangle(std::mt19937& random, Point2 middle, double size) {
 
 // By a rule for polynomials of degree 9 on the rays from the first corner.
 template <class Function>
-PartMoments integral_of(const Triangle& t, const Function& f) {
-  PartMoments sum;
+PlaneMoments integral_of(const Triangle& t, const Function& f) {
+  PlaneMoments sum;
   for (const auto [at_r, weight_r] : kGauss5) {
     for (const auto [at_t, weight_t] : kGauss5) {
       const Point2 p = t[0] + at_r * (t[1] + at_t * (t[2] - t[1]) - t[0]);
@@ -78,9 +78,9 @@ TEST(QuadraticPart, IsExactForWhatIsPositiveThroughout) {
     };
     const SixPoints<double> values = values_of(triangle, f),
                             ones = values_of(triangle, [](Point2) { return 1.0; });
-    const PartMoments expected = integral_of(triangle, f),
-                      felt = integral_where_positive(six_points(triangle), area_of(triangle),
-                                                     std::array{values, ones});
+    const PlaneMoments expected = integral_of(triangle, f),
+                       felt = integral_where_positive(six_points(triangle), area_of(triangle),
+                                                      std::array{values, ones});
     EXPECT_NEAR(felt.volume, expected.volume, 1e-13 * 40);
     EXPECT_NEAR(felt.first.x, expected.first.x, 1e-13 * 40);
     EXPECT_NEAR(felt.first.y, expected.first.y, 1e-13 * 40);
@@ -126,7 +126,7 @@ TEST(QuadraticPart, KeepsWhatAllConditionsLeave) {
   const std::array<SixPoints<double>, 3> functions{values_of(triangle, f),
                                                    values_of(triangle, [](Point2 p) { return 0.4 - p.x; }),
                                                    values_of(triangle, [](Point2 p) { return 0.3 - p.y; })};
-  const PartMoments felt = integral_where_positive(six_points(triangle), 0.5, functions);
+  const PlaneMoments felt = integral_where_positive(six_points(triangle), 0.5, functions);
   const double volume = 0.4 * 0.3 + 0.5 * 0.16 * 0.3 + 0.09 * 0.4;
   EXPECT_NEAR(felt.volume, volume, 1e-2 * volume);
   // x and y of f over the rectangle 0.4 by 0.3.

@@ -86,17 +86,10 @@ inline double lead_of(const Cone& cone, const Sight& sight) {
   return sum > 0 ? sight.along * std::sqrt(distance / sum) : 0;
 }
 
-/// A coordinate in space as a function of the plane's.
-struct Linear {
-  double start = 0;  ///< [m]
-  Point2 slope{0, 0};
-  [[nodiscard]] double at(Point2 p) const { return start + dot(slope, p); }
-};
-
 /// The cone of a near border, height = side root(x^2 + y^2) with x and y scaled (JointBorder).
 struct BorderCone {
-  double side = 1;  ///< on the side of the first (-1) or the second (+1) of the two
-  Linear x, y, height;
+  double side = 1;      ///< on the side of the first (-1) or the second (+1) of the two
+  Linear x, y, height;  ///< [m] coordinates in space as functions of the plane's
 };
 
 /// A tile and one of its kin.

@@ -154,10 +154,7 @@ struct SectionField {
 };
 
 // phi of a slab: linear, and the faces are all there is to clip at.
-struct LinearField {
-  double value;
-  Point2 slope;
-  [[nodiscard]] double at(Point2 p) const { return value + dot(slope, p); }
+struct LinearField : Linear {
   [[nodiscard]] static Singularities kinks(Point2, Point2) { return {}; }
   static void clip(Line&) {}
 };
@@ -312,7 +309,7 @@ bool add_contact_jacobian(const Slab& slab, const Contact& contact, Vec3 joint, 
   if (polygon.count < 3 || !(polygon_area(polygon).area > 0)) return false;
 
   const HalfPlane skin = half_plane(slab.face[0], a, facet);
-  const LinearField field{skin.offset, -1.0 * skin.direction};
+  const LinearField field{{skin.offset, -1.0 * skin.direction}};
   SlopeMoments slope;
   const auto add = [&](Point2 p, double weight) { slope.add(p, -weight * skin.along); };
   for (std::size_t i = 1; i + 1 < polygon.count; ++i) {

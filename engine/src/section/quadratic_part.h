@@ -82,12 +82,6 @@ inline OnRays negative(const OnRays& f) {
   return {-f.apex, {-f.slope[0], -f.slope[1]}, {-f.bend[0], -f.bend[1], -f.bend[2]}};
 }
 
-/// [m^3], [m^4] of a function in metres.
-struct PartMoments {
-  double volume = 0;
-  Point2 first{0, 0};
-};
-
 /// A function's integrals of r dr and r^2 dr on a ray, over [0, 1] where all of the conditions are positive.
 struct RayMoments {
   double zeroth = 0, first = 0;
@@ -125,9 +119,9 @@ struct Fan {
 /// points of a line, at equal weights: it begins a share `first` down the side to `from`, ends a share `last`
 /// down the other one, and is cut at `line`. What lies up to it, or the whole triangle, is integrated
 /// exactly.
-inline PartMoments integral_on_rays(const Fan& fan, const OnRays& f, std::span<const OnRays> conditions,
-                                    const Cuts& line, double first = 1, double last = 1) {
-  PartMoments sum;
+inline PlaneMoments integral_on_rays(const Fan& fan, const OnRays& f, std::span<const OnRays> conditions,
+                                     const Cuts& line, double first = 1, double last = 1) {
+  PlaneMoments sum;
   for (std::size_t k = 0; k + 1 < line.count; ++k) {
     const double begin = line.at[k], width = line.at[k + 1] - begin;
     for (const auto [at, weight] : kGauss3) {
@@ -149,7 +143,7 @@ inline bool is_odd(const SixPoints<double>& f, std::size_t corner) {
 }
 
 /// A function's integral where another one is positive, which is 0 on a line across, round `corner`.
-inline PartMoments integral_round_corner(const Fan& fan, const OnRays& f, OnRays other) {
+inline PlaneMoments integral_round_corner(const Fan& fan, const OnRays& f, OnRays other) {
   const bool inside = other.apex > 0;
   if (!inside) other = negative(other);
   const auto place = [&](double t) {
@@ -158,16 +152,16 @@ inline PartMoments integral_round_corner(const Fan& fan, const OnRays& f, OnRays
     cuts.sort();
     return cuts.at[1];
   };
-  const PartMoments round = integral_on_rays(fan, f, std::span(&other, 1), {}, place(0), place(1));
+  const PlaneMoments round = integral_on_rays(fan, f, std::span(&other, 1), {}, place(0), place(1));
   if (inside) return round;
-  const PartMoments whole = integral_on_rays(fan, f, {}, {});
+  const PlaneMoments whole = integral_on_rays(fan, f, {}, {});
   return {whole.volume - round.volume, whole.first - round.first};
 }
 
 /// The integral of the first of the functions [m] where all are positive, over a triangle of that area [m^2].
 template <std::size_t N>
-PartMoments integral_where_positive(const SixPoints<Point2>& place, double area,
-                                    const std::array<SixPoints<double>, N>& functions) {
+PlaneMoments integral_where_positive(const SixPoints<Point2>& place, double area,
+                                     const std::array<SixPoints<double>, N>& functions) {
   static_assert(N <= kMostConditions);
   std::size_t cut = 0, cut_count = 0;
   for (std::size_t n = 0; n < N; ++n) {

@@ -26,6 +26,19 @@ constexpr Point2 operator*(double s, Point2 a) { return {s * a.x, s * a.y}; }
 constexpr double dot(Point2 a, Point2 b) { return a.x * b.x + a.y * b.y; }
 constexpr double cross(Point2 a, Point2 b) { return a.x * b.y - a.y * b.x; }
 
+/// A linear function of a plane's points.
+struct Linear {
+  double value = 0;  ///< where both coordinates are 0
+  Point2 slope{0, 0};
+  [[nodiscard]] double at(Point2 p) const { return value + dot(slope, p); }
+};
+
+/// A function's integrals over a part of a plane: of itself, and times the point. Of a depth [m^3], [m^4].
+struct PlaneMoments {
+  double volume = 0;
+  Point2 first{0, 0};
+};
+
 /// Two triangles that share an edge run along it in opposite senses. What is reckoned of it starts from the
 /// same end for both: so it is the same to the last bit, and what they have in common cancels exactly.
 constexpr bool runs_back(Point2 p, Point2 q) { return q.x < p.x || (q.x == p.x && q.y < p.y); }

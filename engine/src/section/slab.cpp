@@ -6,13 +6,6 @@
 namespace lumbrical {
 namespace {
 
-// value + dot(slope, p): the field as a function of the plane point.
-struct Linear {
-  double value;
-  Point2 slope;
-  [[nodiscard]] double at(Point2 p) const { return value + dot(slope, p); }
-};
-
 struct Plane {
   Vec3 origin, u, v, n;
 };
@@ -23,14 +16,9 @@ Linear height_over(const HalfSpace& face, const Plane& plane) {
           {dot(face.normal, plane.u), dot(face.normal, plane.v)}};
 }
 
-struct Moments {
-  double volume = 0;
-  Point2 first{0, 0};
-};
-
 // Integral of a linear function and of p times it: the three-midpoint rule is exact for quadratics.
-Moments moments_of(const Polygon2& polygon, const Linear& f) {
-  Moments sum;
+PlaneMoments moments_of(const Polygon2& polygon, const Linear& f) {
+  PlaneMoments sum;
   const Point2 a = polygon.corner[0];
   for (std::size_t i = 1; i + 1 < polygon.count; ++i) {
     const Point2 b = polygon.corner[i], c = polygon.corner[i + 1];
@@ -89,7 +77,7 @@ bool collide_slab(const Slab& slab, Law law, double point_area, const Corners& a
   double volume = area.area * depth;
   Point2 centre = area.centroid;
   if (law == Law::field || law == Law::column) {
-    const Moments moments = moments_of(polygon, field);
+    const PlaneMoments moments = moments_of(polygon, field);
     volume = moments.volume;
     if (volume > 0) centre = (1 / volume) * moments.first;
   } else if (law == Law::centroid) {

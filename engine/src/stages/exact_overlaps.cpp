@@ -123,7 +123,7 @@ class OverlapLoss {
     if (has_bit(touched.segments, across)) across_ = across;
   }
   /// What others are deeper in; adds to `error` [m^3] by how much that still changed.
-  PartMoments lost(double& error) const {
+  PlaneMoments lost(double& error) const {
     const auto& [a, b, c] = touched_.corner;
     const Told of_a = tell(touched_.in_plane(a)), of_b = tell(touched_.in_plane(b)),
                of_c = tell(touched_.in_plane(c));
@@ -153,7 +153,7 @@ class OverlapLoss {
   }
   [[nodiscard]] Told between(const Told& a, const Told& b) const { return tell(0.5 * (a.at + b.at)); }
 
-  [[nodiscard]] PartMoments integral(const SixPoints<Told>& told, double area) const {
+  [[nodiscard]] PlaneMoments integral(const SixPoints<Told>& told, double area) const {
     SixPoints<Point2> place;
     std::array<SixPoints<double>, 2> field;
     bool is_felt = false, is_lost = false;
@@ -180,8 +180,8 @@ class OverlapLoss {
     }
     return own + reach <= 0 || lack + 2 * reach <= 0;
   }
-  PartMoments halved(const SixPoints<Told>& told, double area, const PartMoments& whole,
-                     double& error) const {
+  PlaneMoments halved(const SixPoints<Told>& told, double area, const PlaneMoments& whole,
+                      double& error) const {
     double square = 0;  // of the longest edge
     std::size_t longest = 0;
     for (std::size_t k = 0; k < 3; ++k) {
@@ -196,10 +196,10 @@ class OverlapLoss {
     return sum_of(parts_of(told), area, whole, size, error);
   }
   template <std::size_t kCount>
-  PartMoments sum_of(const std::array<SixPoints<Told>, kCount>& part, double area, const PartMoments& whole,
-                     double size, double& error) const {
-    std::array<PartMoments, kCount> of_part;
-    PartMoments sum;
+  PlaneMoments sum_of(const std::array<SixPoints<Told>, kCount>& part, double area, const PlaneMoments& whole,
+                      double size, double& error) const {
+    std::array<PlaneMoments, kCount> of_part;
+    PlaneMoments sum;
     for (std::size_t k = 0; k < kCount; ++k) add(of_part[k] = integral(part[k], area / kCount), sum);
     const double change = std::fabs(sum.volume - whole.volume);
     if ((size < (sum.volume > 0 ? until_.size : until_.size_empty) * radius_ && change <= tolerance_) ||
@@ -231,7 +231,7 @@ class OverlapLoss {
     }
     return part;
   }
-  static void add(const PartMoments& part, PartMoments& sum) {
+  static void add(const PlaneMoments& part, PlaneMoments& sum) {
     sum.volume += part.volume;
     sum.first = sum.first + part.first;
   }
@@ -264,7 +264,7 @@ using Indices = std::span<const std::uint64_t>;
 
 // Of one segment: the palm has several parts on a triangle, which share the loss by what they feel, and act
 // in one place. Where next to nothing is left, rounding would put that anywhere.
-void take_off(const Touched& touched, const PartMoments& lost, Indices own, const Contacts& contacts) {
+void take_off(const Touched& touched, const PlaneMoments& lost, Indices own, const Contacts& contacts) {
   const Vec3 place = to_world(touched.plane, (1 / lost.volume) * lost.first);
   double volume = 0;
   Vec3 first;  // from where what is lost acts
@@ -293,7 +293,7 @@ std::uint32_t take_off(const Model& model, const Touched& touched, Indices indic
     const auto next = std::find_if(own, indices.end(),
                                    [&](std::uint64_t other) { return contacts.segment(other) != segment; });
     const OverlapLoss overlap(touched, segment, model.settings.precision[segment]);
-    const PartMoments lost = overlap.lost(contacts.of(*own).error);
+    const PlaneMoments lost = overlap.lost(contacts.of(*own).error);
     if (lost.volume > 0) {
       take_off(touched, lost, {own, next}, contacts);
       leaving |= 1u << segment;
