@@ -297,7 +297,7 @@ TEST(ConeSlivers, NextToTheAxisAgreeWithTheReference) {
       const auto gather = [&](const Corners& corners, std::size_t k, RoundTerms& to) {
         put_pair(hull, corners, {}, k, to);
       };
-      double status = kApart;
+      double status = kNoContact;
       through_lanes(std::span(&at, 1), *terms, kernel, gather,
                     [&](const Corners&, std::size_t k, const RoundTerms& from) { status = from.status[k]; });
       return status;

@@ -152,7 +152,7 @@ TEST(Finger, DepthInAnEndSphereIsThatInItsPhalanx) {
     const auto corner = [&] { return centre + random.in_box(random.between(0.002, 0.03)); };
     const Vec3 a = corner(), b = corner(), c = corner();
     Section section, whole;
-    if (!look_from_plane(sphere, {a, b, c}, section) || classify(section) == Overlap::apart) continue;
+    if (!look_from_plane(sphere, {a, b, c}, section) || classify(section) == Overlap::none) continue;
     const double depth = finger_depth(hand, sphere, section).depth;
     if (!(depth > 1e-6)) continue;
     ++touching;

@@ -43,7 +43,7 @@ double depth_below(const Primitive& primitive, const ContactQuery& query, const 
 bool collide_section(const Primitive& primitive, const ContactQuery& query, const Section& section,
                      Contact& contact) {
   const Overlap overlap = classify(section);
-  if (overlap == Overlap::apart) return false;
+  if (overlap == Overlap::none) return false;
   Boundary boundary;
   if (overlap == Overlap::partial) trace_boundary(section, boundary);
   const AreaMoments area = common_area(section, overlap, boundary);

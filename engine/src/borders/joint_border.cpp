@@ -158,7 +158,7 @@ bool reaches_between(const JointBorder& border, const Primitive& tile, const Cor
   between.cut = {{{border.normal, border.centre + border.slab * border.normal},
                   {-border.normal, border.centre - border.slab * border.normal}}};
   Section section;
-  return look_from_plane(between, at, section) && classify(section) != Overlap::apart;
+  return look_from_plane(between, at, section) && classify(section) != Overlap::none;
 }
 
 }  // namespace

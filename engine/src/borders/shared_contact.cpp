@@ -45,7 +45,7 @@ struct Work {
 };
 
 // The innermost and the outermost phalanx; round a middle one of no length they have a joint in common.
-Kin apart(const Section& section, const Primitives& hand, std::size_t finger, bool is_first) {
+Kin folded_kin(const Section& section, const Primitives& hand, std::size_t finger, bool is_first) {
   const Primitive &inner = hand.capsule[3 * finger], &outer = hand.capsule[3 * finger + 2];
   const bool same_joint =
       norm(inner.end2 - outer.end1) < 1e-8 * inner.radius2 && inner.radius2 == outer.radius1;
@@ -78,7 +78,7 @@ void add_all(Work& work, const Kin* kin = nullptr) {
   Section& section = work.section;
   if (section.polygon.count < 3) return;
   const Overlap overlap = classify(section);
-  if (overlap == Overlap::apart) return;
+  if (overlap == Overlap::none) return;
   Boundary boundary;
   trace_boundary(section, boundary);
   const AreaMoments area = common_area(section, overlap, boundary);
@@ -269,7 +269,7 @@ Part take_largest(Parts& open) {
 void share_out(const Part& part, Work& work, Parts& open) {
   const auto& [polygon, middle, reach, stake, volume, level] = part;
   work.section.polygon = polygon;
-  if (classify(work.section) == Overlap::apart) return;
+  if (classify(work.section) == Overlap::none) return;
   std::array<PartShare, 2> share{PartShare::all, PartShare::all};
   std::array<Crossings, 2> crossings;
   for (std::size_t k = 0; k < work.kin_count; ++k) {
@@ -316,7 +316,7 @@ void share_out_all(const Polygon2& polygon, Work& work) {
     share_out(take_largest(open), work, open);
   for (const Part& part : open) {
     work.section.polygon = part.polygon;
-    if (classify(work.section) == Overlap::apart) continue;
+    if (classify(work.section) == Overlap::none) continue;
     add_least(part.middle, part.reach, work);
     work.error += part.volume;
   }
@@ -347,11 +347,11 @@ bool collide_shared(const Primitives& hand, const Primitive& tile, const TileBor
   const auto add_kin = [&](const Kin& kin) { work.kin[work.kin_count++] = kin; };
   if (borders.inner) add_kin(joint_kin(section, hand, phalanx - 1, false));
   if (borders.outer) add_kin(joint_kin(section, hand, phalanx, true));
-  if (borders.folded) add_kin(apart(section, hand, phalanx / 3, place == 0));
+  if (borders.folded) add_kin(folded_kin(section, hand, phalanx / 3, place == 0));
   if (work.kin_count == 2) {
     // First the neighbour, then the one beyond it; of the middle phalanx the inner one, then the outer one.
     work.others = place == 0   ? joint_kin(section, hand, phalanx + 1, true)
-                  : place == 1 ? apart(section, hand, phalanx / 3, true)
+                  : place == 1 ? folded_kin(section, hand, phalanx / 3, true)
                                : joint_kin(section, hand, phalanx - 2, false);
   }
   Polygon2 polygon = section.polygon;

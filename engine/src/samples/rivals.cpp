@@ -7,7 +7,7 @@ namespace lumbrical {
 namespace {
 
 // Share of their radii by which parts may be apart.
-constexpr double kApart = 0.1;
+constexpr double kRivalGap = 0.1;
 
 /// A phalanx, and how far from its axis others are near [m].
 struct Rival {
@@ -17,7 +17,7 @@ struct Rival {
   Rival(const Primitives& hand, const Bodies& bodies, std::size_t part)
       : phalanx(hand.capsule[segment_of(bodies, part)]),
         length(tile_at(bodies.finger.data(), part).length),
-        reach((1 + 0.5 * kApart) * max(phalanx.radius1, phalanx.radius2)) {}
+        reach((1 + 0.5 * kRivalGap) * max(phalanx.radius1, phalanx.radius2)) {}
 };
 
 bool meet(const Rival& one, const Rival& other) {
@@ -29,7 +29,7 @@ bool meet(const Rival& one, const Rival& other) {
 
 // No plane along the palm's skin has all of the phalanx beyond it.
 bool meet(const SweptPolygon& palm, const Rival& rival) {
-  const double reach = (1 + 0.5 * kApart) * palm.radius + rival.reach;
+  const double reach = (1 + 0.5 * kRivalGap) * palm.radius + rival.reach;
   const auto is_beyond = [&](Vec3 normal, Vec3 point) {
     return min(dot(normal, rival.phalanx.end1 - point), dot(normal, rival.phalanx.end2 - point)) > reach;
   };

@@ -196,8 +196,8 @@ LevelWeights only(std::size_t level) {
 }
 
 // On a level and, as far as `most` allows (0: all), the next finer one, which takes other blocks as ones.
-bool feel_apart(SampleTeam& team, std::size_t coarser, const Effort& effort, std::uint64_t most, double force,
-                SampledForces& forces) {
+bool feel_by_level(SampleTeam& team, std::size_t coarser, const Effort& effort, std::uint64_t most,
+                   double force, SampledForces& forces) {
   LevelWeights& level = forces.fineness.level;
   forces.evaluations = evaluations_of(effort, only(coarser));
   feel_on_one_level(team, coarser, forces);
@@ -264,7 +264,7 @@ bool feel(SampleTeam& team, const Fineness* given, SampledForces& forces) {
   } else if (fineness.coarse_blocks || same_blocks(coarsest, coarsest + 1)) {
     feel_on_two_levels(team, coarsest, forces);
   } else {
-    return feel_apart(team, coarsest, effort, most, force, forces);
+    return feel_by_level(team, coarsest, effort, most, force, forces);
   }
   return true;
 }

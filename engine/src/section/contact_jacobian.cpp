@@ -254,7 +254,7 @@ bool add_contact_jacobian(const Primitive& primitive, const Contact& contact, Ve
   Section section;
   if (primitive.shape != Shape::round || !look_from_plane(primitive, at, section)) return false;
   const Overlap overlap = classify(section);
-  if (overlap == Overlap::apart) return false;
+  if (overlap == Overlap::none) return false;
   Boundary boundary;
   trace_boundary(section, boundary);
   const AreaMoments area = common_area(section, overlap, boundary);

@@ -148,8 +148,8 @@ inline bool inside_section(const Section& section, Point2 p) {
   return false;
 }
 
-/// A quick look before the boundary is traced: `apart` is certain, `inside` (the whole polygon) is exact.
-enum class Overlap : std::uint8_t { apart, partial, inside };
+/// A quick look before the boundary is traced: `none` is certain, `inside` (the whole polygon) is exact.
+enum class Overlap : std::uint8_t { none, partial, inside };
 Overlap classify(const Section& section);
 
 /// Where a quadratic a t^2 + 2 b t + c is positive on [lower, upper], known to be one interval. Empty: first

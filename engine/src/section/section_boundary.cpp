@@ -112,14 +112,14 @@ Overlap classify(const Section& section) {
     inside = inside && inside_section(section, p);
   }
   if (inside) return Overlap::inside;
-  if (low.y >= section.radius1 || high.y <= -section.radius1) return Overlap::apart;
+  if (low.y >= section.radius1 || high.y <= -section.radius1) return Overlap::none;
   for (std::size_t i = 0; i < section.zone_count; ++i) {
     const Zone& zone = section.zone[i];
     if (zone.real_lower < zone.real_upper && low.x < zone.real_upper && high.x > zone.real_lower) {
       return Overlap::partial;
     }
   }
-  return Overlap::apart;
+  return Overlap::none;
 }
 
 void trace_boundary(const Section& section, Boundary& boundary) {
