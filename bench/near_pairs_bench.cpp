@@ -1,6 +1,6 @@
 // The search for candidates of a hand that slides over scene A or B: afresh in every tick, and with the lists
 // that outlive a tick, at speeds from rest to a millimetre a tick. Microseconds per tick, mean and
-// percentiles of the thread's own time; beside them searches and doubtful pairs per tick.
+// percentiles of the thread's own time; beside them searches and unclear pairs per tick.
 //
 //   near_pairs_bench [--benchmark_filter=A/9522]
 #include <benchmark/benchmark.h>

@@ -15,7 +15,7 @@ namespace {
 
 // What became of pairs.
 struct Found {
-  int touching = 0, unsure = 0;
+  int touching = 0, unclear = 0;
 };
 
 void expect_agreement(const Pair& pair, Isa isa, Found& found) {
@@ -24,8 +24,8 @@ void expect_agreement(const Pair& pair, Isa isa, Found& found) {
   const RoundKind kind = kind_of(kernels, hull, seen_from(hull.origin, pair.at));
   std::vector<double> status;
   Contact contact = through(kernels.paper_contacts, kind, std::span(&pair, 1), status)[0], general;
-  if (status[0] == kUnsure) {
-    ++found.unsure;
+  if (status[0] == kUnclear) {
+    ++found.unclear;
     return;
   }
   const double r = kPairRadius, area = r * r;
@@ -64,7 +64,7 @@ Found expect_agreement_of_all(Pair (*make)(Random&, int), int first_shape, int c
 TEST(PaperContacts, OfEveryShapeAndPoseAreThoseOfTheGeneralPath) {
   const Found any = expect_agreement_of_all(any_pair, 0, 3000, Isa::scalar);
   EXPECT_GT(any.touching, 4000);
-  EXPECT_LT(any.unsure, 300);
+  EXPECT_LT(any.unclear, 300);
   const Found square = expect_agreement_of_all(square_pair, 0, 3000, widest_isa());
   EXPECT_GT(square.touching, 1000);
   const Found flat = expect_agreement_of_all(flat_pair, 1, 6000, widest_isa());

@@ -117,7 +117,7 @@ TriangleCuts cross_borders(const Primitives& hand, const Primitive& tile, const 
   const auto is_far = [&](bool at_outer) { return !hand.border[joint_of(tile, at_outer)].near; };
   TriangleCuts cuts;
   if (folded || (inner && is_far(false)) || (outer && is_far(true))) {
-    cuts.kind = CutKind::general;
+    cuts.kind = CutKind::unclear;
     return cuts;
   }
   if (!inner && !outer) return cuts;
@@ -129,7 +129,7 @@ TriangleCuts cross_borders(const Primitives& hand, const Primitive& tile, const 
     const JointBorder& border = hand.border[joint_of(tile, at_outer)];
     const Crossed here =
         cross_border(border, !at_outer, {at.a - border.centre, at.b - border.centre, at.c - border.centre});
-    if (here.verdict == Verdict::unclear) cuts.kind = CutKind::general;
+    if (here.verdict == Verdict::unclear) cuts.kind = CutKind::unclear;
     if (here.verdict == Verdict::mine) cuts.cut[own_cut(tile, at_outer)].normal = {};
     if (here.verdict == Verdict::crossed) cuts.crossing[at_outer] = {true, here.from, here.to};
     gone = gone || here.verdict == Verdict::others;

@@ -13,7 +13,7 @@ enum class CutKind : std::uint8_t {
   planes,  ///< as the tile's own cuts do
   other,   ///< as others in their place do
   gone,    ///< all of the triangle is another tile's
-  general  ///< a matter for `borders_on` and `collide_shared`
+  unclear  ///< a matter for `borders_on` and `collide_shared`
 };
 
 /// Where a border crosses edges of the triangle [m] W, from the joint; its kin's part lies to the right of

@@ -121,17 +121,17 @@ BorderCut cut_at_borders(const ExactKernels& kernels, const Primitives& hand, co
   cut.cut = cuts.cut;
   if (cut.kind != CutKind::other || (!inner.exists && !outer.exists)) return cut;
   if (inner.exists && outer.exists) {
-    cut.kind = CutKind::general;
+    cut.kind = CutKind::unclear;
     return cut;
   }
   cut.outer = outer.exists;
   const std::size_t own = own_cut(tile, cut.outer);
   if (!cut_along_border(kernels, hand, tile, cut.outer ? outer : inner, at, cut.cut[own], cut))
-    cut.kind = CutKind::general;
+    cut.kind = CutKind::unclear;
   // The bulge keeps to the tile's side of the other cut.
   const Vec3 joint = hand.border[joint_of(tile, cut.outer)].centre;
   if (tile.cut_count == 2 && cut.crosses && !keeps_to(cut.cut[1 - own], joint, cut.from, cut.to, cut.height))
-    cut.kind = CutKind::general;
+    cut.kind = CutKind::unclear;
   return cut;
 }
 

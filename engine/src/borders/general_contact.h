@@ -1,5 +1,5 @@
-// The general path, one pair at a time: every law, shape and border between tiles, and what the lanes are
-// unsure of.
+// The general path, one pair at a time: every law, shape and border between tiles, and what is unclear
+// to the lanes.
 #pragma once
 
 #include "exact/exact_kernels.h"

@@ -19,7 +19,7 @@ bool collide(const Primitive& primitive, const ContactQuery& query, const Corner
     put_pair(of, seen, of.cut, k, to);
   };
   contact.area = 0;
-  double status = kUnsure;
+  double status = kUnclear;
   const std::span<const RoundHull> alone(&hull, 1);
   through_lanes(alone, terms, query.kernels.round_contacts, gather,
                 [&](const RoundHull&, std::size_t k, const RoundTerms& from) {
@@ -33,7 +33,7 @@ bool collide(const Primitive& primitive, const ContactQuery& query, const Corner
                     if (status == kContact) add_sliver(from, k, hull.origin, contact);
                   });
   }
-  if (status == kUnsure) return general_contact(primitive, query, at, contact);
+  if (status == kUnclear) return general_contact(primitive, query, at, contact);
   return contact.area > 0;
 }
 

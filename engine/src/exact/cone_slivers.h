@@ -369,7 +369,7 @@ void cone_slivers(RoundTerms& pairs) {
     set_polygon(pairs, part, plane, corner, i, polygon);
     V lost;
     const SliverSum<V> sum = both_slivers(part, plane, polygon, pieces, lost);
-    put(pairs.status + i, select(lost > number<V>(0), number<V>(kUnsure), number<V>(kContact)));
+    put(pairs.status + i, select(lost > number<V>(0), number<V>(kUnclear), number<V>(kContact)));
     put(pairs.volume + i, sum.volume);
     put_vector(sum.x * plane.u + sum.y * plane.v - (sum.volume * plane.h1) * plane.n, i, pairs.centre);
   }

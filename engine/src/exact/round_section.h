@@ -93,9 +93,9 @@ LUMBRICAL_INLINE inline V least_area(const Corners<V>& all, M whole, V radius) {
 // What became of a pair that was `open`, whose integrals were `had`: `found` if it is a contact.
 template <class V, class M>
 LUMBRICAL_INLINE inline V status_of(M open, M had, M contact, M along_cut, V found) {
-  const V zero = number<V>(0), unsure = number<V>(kUnsure);
-  const V left = select(had, zero, select(open, unsure, zero));
-  return select(along_cut, unsure, select(contact, found, left));
+  const V zero = number<V>(0), unclear = number<V>(kUnclear);
+  const V left = select(had, zero, select(open, unclear, zero));
+  return select(along_cut, unclear, select(contact, found, left));
 }
 
 // Of edges wholly inside everything counts.

@@ -3,8 +3,8 @@
 //
 // `round_contacts` sets all results, `paper_contacts` all but the volume, with the deepest point for a
 // centre. `cone_slivers`, for those that `round_contacts` leaves without, sets the status, kContact or
-// kUnsure; the volume, what the slivers add to it; and the centre, what they add to the volume's first moment
-// [m^4].
+// kUnclear; the volume, what the slivers add to it; and the centre, what they add to the volume's first
+// moment [m^4].
 #pragma once
 
 #include <cstddef>
@@ -14,7 +14,7 @@ namespace lumbrical {
 
 /// What became of a pair: no common area; computed; computed but for a cone's slivers (cone_slivers.h); or
 /// the way taken would lose digits and the pair is for another.
-inline constexpr double kNoContact = 0, kContact = 1, kSlivers = 2, kUnsure = 3;
+inline constexpr double kNoContact = 0, kContact = 1, kSlivers = 2, kUnclear = 3;
 
 /// Cosines of the axis' angle to the normal below which a pair is flat. The closed form of the side divides
 /// rounding by that cosine, in the moments by its square, and a cone's terms are larger from the start.

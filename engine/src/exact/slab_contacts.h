@@ -59,8 +59,8 @@ inline SlabView<V> view_of(const SlabFaces& faces, const Each<Wide3<V>>& corner)
 template <class V>
 void slab_contacts(SlabTerms& terms) {
   const V zero = number<V>(0), third = number<V>(1.0 / 3);
-  const V missed = number<V>(kSlabMissed), touched = number<V>(kSlabTouched), open = number<V>(kSlabOpen),
-          doubtful = number<V>(kSlabDoubtful);
+  const V missed = number<V>(kSlabMissed), touched = number<V>(kSlabTouched), cut = number<V>(kSlabCut),
+          unclear = number<V>(kSlabUnclear);
   for (std::size_t i = 0; i < terms.count; i += wide::Lanes<V>::kCount) {
     const Wide3<V> a = vector_at<V>(terms.a, i), ab = vector_at<V>(terms.ab, i),
                    ac = vector_at<V>(terms.ac, i);
@@ -79,7 +79,7 @@ void slab_contacts(SlabTerms& terms) {
     const Wide3<V> centroid = third * points;
     const Wide3<V> centre = (number<V>(0.25) * one_over(sum)) * (sum * points + weighted);
     const auto whole = view.cut == zero;
-    const V status = select(view.along > zero, doubtful, select(whole, touched, open));
+    const V status = select(view.along > zero, unclear, select(whole, touched, cut));
     put(terms.status + i, select(fine && view.beside == zero, status, missed));
     put(terms.cut + i, view.cut);
     put(terms.area + i, area);

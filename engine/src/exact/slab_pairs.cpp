@@ -69,7 +69,7 @@ void collide_rims(const PairSlots& pairs, const SlabFaces& faces, const Slab& sl
     put_cuts(faces, pair.faces, k, to);
   };
   const auto give = [&](const RimPair& pair, std::size_t k, const RimTerms& from) {
-    if (from.status[k] == kSlabOpen) alone.push_back(pair.slot);
+    if (from.status[k] == kSlabUnclear) alone.push_back(pair.slot);
     if (from.status[k] == kSlabTouched)
       read_contact(from, k, slab, pairs.corners(pair.slot), pairs.contact[pair.slot]);
   };
@@ -89,8 +89,8 @@ void collide_slab_pairs(const PairSlots& pairs, const Slab& slab, std::span<cons
   };
   const auto give = [&](std::uint32_t slot, std::size_t k, const SlabTerms& from) {
     if (from.status[k] == kSlabTouched) read_contact(from, k, slab, pairs.corners(slot), pairs.contact[slot]);
-    if (from.status[k] == kSlabDoubtful) alone.push_back(slot);
-    if (from.status[k] != kSlabOpen) return;
+    if (from.status[k] == kSlabUnclear) alone.push_back(slot);
+    if (from.status[k] != kSlabCut) return;
     const RimPair pair{slot, static_cast<std::uint32_t>(from.cut[k])};
     if (cut_count(pair) > RimTerms::kMostCuts) {
       alone.push_back(slot);

@@ -143,7 +143,7 @@ void slab_rims(RimTerms& terms) {
     const Wide2<V> centroid = base + one_over(sums.area) * sums.area_first;
     const Wide2<V> pressed = base + one_over(sums.volume) * sums.volume_first;
     const V status = select(sums.area > zero, number<V>(kSlabTouched), number<V>(kSlabMissed));
-    put(terms.status + i, select(bent > zero, number<V>(kSlabOpen), status));
+    put(terms.status + i, select(bent > zero, number<V>(kSlabUnclear), status));
     put(terms.area + i, sums.area);
     put(terms.volume + i, max(zero, sums.volume));
     put(terms.depth + i, max(zero, sums.most));

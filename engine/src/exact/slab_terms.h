@@ -17,13 +17,9 @@ struct SlabFaces {
   double normal[Slab::kMostFaces][3], offset[Slab::kMostFaces];
 };
 
-/// What the kernels say of a pair.
-inline constexpr double kSlabMissed = 0, kSlabTouched = 1;
-/// Numbers don't hold: a face cuts the triangle (of `slab_contacts`), rounding has made the polygon concave
-/// (of `slab_rims`).
-inline constexpr double kSlabOpen = 2;
-/// The triangle all but lies in a face (kAlongCut), and is for another way.
-inline constexpr double kSlabDoubtful = 3;
+/// What the kernels say of a pair. Faces may cut the triangle, which is for `slab_rims` then. It is for
+/// another way where it all but lies in a face (kAlongCut), or where rounding has made the polygon concave.
+inline constexpr double kSlabMissed = 0, kSlabTouched = 1, kSlabCut = 2, kSlabUnclear = 3;
 
 template <std::size_t N>
 struct SlabResults {
@@ -54,7 +50,7 @@ struct SlabTerms : SlabResults<64> {
   }
 };
 
-/// Those of them that are open and cut by so many faces.
+/// Those of them that are cut by so many faces.
 struct RimTerms : SlabResults<64> {
   static constexpr std::size_t kCapacity = 64;
   /// More cuts have few triangles but those of a coarse mesh.

@@ -3,7 +3,7 @@
 //
 // Where a primitive is searched for, its hull is widened by a skin. Pairs that certainly miss the widened
 // hull are left out, pairs that do not even certainly miss a hull narrowed by the skin are sure candidates,
-// and all others are doubtful: `certain_misses` is asked about them in every tick. As long as hull and planes
+// and all others are unclear: `certain_misses` is asked about them in every tick. As long as hull and planes
 // have moved by no more than kUse of the skin, that gives the candidates of a fresh search.
 //
 // Why that is so. Let nothing have moved by more than d, and let the skin be m. The distance between the
@@ -49,13 +49,13 @@ struct NearPairs {
   std::array<List, Primitives::kMaxCount> list;
   /// Of this tick and of the one before.
   std::vector<Hull> now = std::vector<Hull>(Primitives::kMaxCount), last = now;
-  /// primitive << 33 | triangle << 1 | doubtful, ascending within a list; the first `size` of them. `other`
+  /// primitive << 33 | triangle << 1 | unclear, ascending within a list; the first `size` of them. `other`
   /// is where lists move when one among them gives way.
   std::vector<std::uint64_t> pairs, other;
   std::size_t size = 0;
   std::uint32_t rest = 0;      ///< ticks without lists, since they did not fit
   std::uint32_t searches = 0;  ///< primitives searched for in the last tick
-  std::uint32_t asked = 0;     ///< doubtful pairs asked about in the last tick
+  std::uint32_t asked = 0;     ///< unclear pairs asked about in the last tick
 };
 
 /// Share of the skin a hull may use up until its list is of no use.
@@ -75,7 +75,7 @@ SkinLimits skin_limits(const Primitives& hand);
 /// pairs in doubt. 0 where no list would last long enough to be worth making.
 double skin_for(double moved, const SkinLimits& limits);
 
-/// [m] Farther from a hull's first end no corner of a triangle may be, or the pair is doubtful.
+/// [m] Farther from a hull's first end no corner of a triangle may be, or the pair is unclear.
 double reach_of(const Hull& hull);
 
 /// Keeps the lists with `keep` set, gives up the others and makes room at the end.

@@ -63,8 +63,8 @@ bool keep(PairSearch& search, std::span<const std::uint32_t> triangles) {
     const bool within = is_within(vector_at(terms.a, k), terms.end1, reach) &&
                         is_within(vector_at(terms.b, k), terms.end1, reach) &&
                         is_within(vector_at(terms.c, k), terms.end1, reach);
-    const bool doubtful = !within || terms.miss[k] != 0;
-    pairs[count] = first | std::uint64_t{triangles[k]} << 1 | (doubtful ? 1u : 0u);
+    const bool unclear = !within || terms.miss[k] != 0;
+    pairs[count] = first | std::uint64_t{triangles[k]} << 1 | (unclear ? 1u : 0u);
     count += !within || misses_wide[k] == 0;
   }
   return append(search.found, {pairs.data(), count});

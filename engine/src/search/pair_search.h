@@ -12,7 +12,7 @@
 
 namespace lumbrical {
 
-/// Where searches leave what they find: primitive << 33 | Contact::triangle << 1 | doubtful, in any order.
+/// Where searches leave what they find: primitive << 33 | Contact::triangle << 1 | unclear, in any order.
 /// Counts on where there is no room.
 struct FoundPairs {
   std::span<std::uint64_t> room;

@@ -141,7 +141,7 @@ bool search_fresh(const Model& model, const Primitives& hand, const Plan& plan, 
 
 constexpr std::uint64_t kMissed = ~std::uint64_t{0};
 
-// Asks about up to kBatch doubtful pairs; those that miss are marked in `to`.
+// Asks about up to kBatch unclear pairs; those that miss are marked in `to`.
 void ask(const Triangles& world, const ExactKernels& kernels, const Hull& hull,
          std::span<const std::uint32_t> places, std::uint64_t* to) {
   MissTerms terms;
@@ -155,7 +155,7 @@ void ask(const Triangles& world, const ExactKernels& kernels, const Hull& hull,
   }
 }
 
-// Writes a list's pairs to `to`, those that certainly miss as kMissed. Returns how many were doubtful.
+// Writes a list's pairs to `to`, those that certainly miss as kMissed. Returns how many were unclear.
 std::size_t write_list(const Model& model, const Hull& now, std::span<const std::uint64_t> pairs,
                        std::uint64_t* to) {
   const ExactKernels& kernels = exact_kernels(model.execution.isa);
@@ -179,7 +179,7 @@ std::size_t write_list(const Model& model, const Hull& now, std::span<const std:
 bool write_candidates(const Model& model, const Primitives& hand, Scratch& scratch) {
   NearPairs& near = *scratch.near;
   const std::size_t lists = hand.count;
-  std::array<std::size_t, Primitives::kMaxCount> place{}, doubtful{};
+  std::array<std::size_t, Primitives::kMaxCount> place{}, unclear{};
   std::size_t total = 0;
   for (std::size_t i = 0; i < lists; ++i) {
     place[i] = total;
@@ -191,10 +191,10 @@ bool write_candidates(const Model& model, const Primitives& hand, Scratch& scrat
   parallel_chunks(lists, 1, threads, [&](std::size_t first, std::size_t last) {
     for (std::size_t i = first; i < last; ++i) {
       const std::span pairs = std::span(near.pairs).subspan(near.list[i].first, near.list[i].count);
-      doubtful[i] = write_list(model, near.now[i], pairs, to + place[i]);
+      unclear[i] = write_list(model, near.now[i], pairs, to + place[i]);
     }
   });
-  const std::size_t asked = std::accumulate(doubtful.begin(), doubtful.end(), std::size_t{0});
+  const std::size_t asked = std::accumulate(unclear.begin(), unclear.end(), std::size_t{0});
   std::size_t count = asked > 0 ? 0 : total;
   for (std::size_t k = 0; asked > 0 && k < total; ++k) {
     to[count] = to[k];

@@ -70,7 +70,7 @@ void sort_shared(std::uint32_t slot, const Corners& at, const TileBorders& near,
   const Primitive& tile = work.pairs.primitive(slot);
   const TriangleCuts cuts = cross_borders(work.pairs.hand, tile, near, at);
   if (cuts.kind == CutKind::gone) return;
-  if (cuts.kind == CutKind::general) {
+  if (cuts.kind == CutKind::unclear) {
     work.alone.push_back(slot);
     return;
   }
@@ -169,7 +169,7 @@ void cut_crossed(Work& work) {
       const TileBorders near = borders_in_reach(pairs.hand, tile, at);
       const BorderCut cut = cut_at_borders(pairs.kernels, pairs.hand, tile, near, at);
       if (cut.kind == CutKind::gone) continue;
-      if (cut.kind == CutKind::general) {
+      if (cut.kind == CutKind::unclear) {
         work.own_of[slot] = kTilesOwn;
         work.alone.push_back(slot);
         continue;
@@ -198,7 +198,7 @@ void gather_round(Work& work, std::uint32_t slot, std::size_t k, RoundTerms& ter
 // What a kernel has found of a pair.
 void take_round(Work& work, std::uint32_t slot, std::size_t k, const RoundTerms& terms) {
   const double status = terms.status[k];
-  if (status == kUnsure) work.alone.push_back(slot);
+  if (status == kUnclear) work.alone.push_back(slot);
   if (status == kSlivers) work.slivers.push_back(slot);
   if (status == kContact || status == kSlivers)
     read_contact(terms, k, work.hull(slot).origin, work.pairs.contact[slot]);
@@ -302,7 +302,7 @@ void add_slivers(Work& work) {
   }
 }
 
-// ---- 5. One at a time, what the lanes don't know or are unsure of ----
+// ---- 5. One at a time, what the lanes don't know or is unclear to them ----
 
 void collide_alone(Work& work) {
   const PairSlots& pairs = work.pairs;
