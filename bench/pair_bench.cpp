@@ -62,7 +62,7 @@ PairScene make_pairs(Kind kind, double size, bool inside, Isa isa) {
 void time_pairs(benchmark::State& state, Kind kind, double size, bool inside, Isa isa) {
   PairScene scene = make_pairs(kind, size, inside, isa);
   for (auto _ : state) {
-    benchmark::DoNotOptimize(find_contacts(scene.model, scene.hand, scene.candidates, scene.contacts));
+    benchmark::DoNotOptimize(collide_pairs(scene.model, scene.hand, scene.candidates, scene.contacts));
   }
   state.counters["ns_per_pair"] = benchmark::Counter(
       kPairs * 1e-9, benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);

@@ -70,7 +70,7 @@ void time_contact(benchmark::State& state, bool is_sphere, Law law) {
   const Pairs pairs = make_pairs(is_sphere, law);
   std::vector<Contact> contacts(kPairs);
   std::uint32_t count = 0;
-  for (auto _ : state) count = find_contacts(pairs.model, pairs.hand, pairs.candidates, contacts);
+  for (auto _ : state) count = collide_pairs(pairs.model, pairs.hand, pairs.candidates, contacts);
   if (count != kPairs) state.SkipWithError("a pair in contact was lost");
   report(state, is_sphere ? 9.7 : 16.3);
 }

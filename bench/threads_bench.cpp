@@ -56,7 +56,7 @@ void contacts(benchmark::State& state, std::uint32_t cells, std::uint32_t thread
   const std::span<const std::uint64_t> candidates(work.scratch.candidates.data(),
                                                   work.scratch.candidate_count);
   std::vector<Contact> found(candidates.size());
-  for (auto _ : state) benchmark::DoNotOptimize(find_contacts(work.model, work.hand, candidates, found));
+  for (auto _ : state) benchmark::DoNotOptimize(collide_pairs(work.model, work.hand, candidates, found));
   count_work(work, state);
 }
 

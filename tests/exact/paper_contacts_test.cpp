@@ -121,7 +121,7 @@ TEST(PaperContacts, OfAFingerAreThoseOfTheGeneralPathThroughAllPhalanges) {
     }
     model.triangles = world_of(mesh);
     std::vector<Contact> contacts(candidates.size());
-    contacts.resize(find_contacts(model, hand, candidates, contacts));
+    contacts.resize(collide_pairs(model, hand, candidates, contacts));
     for (const Contact& contact : contacts) {
       Contact general = contact;
       hand_contact(hand, exact_kernels(Isa::scalar), kPointArea,

@@ -85,7 +85,7 @@ std::vector<Contact> contacts_of(Isa isa) {
   }
   model.triangles = world_of(mesh);
   std::vector<Contact> contacts(candidates.size());
-  contacts.resize(find_contacts(model, hand, candidates, contacts));
+  contacts.resize(collide_pairs(model, hand, candidates, contacts));
   return contacts;
 }
 

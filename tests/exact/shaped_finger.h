@@ -103,7 +103,7 @@ inline std::vector<Contact> contacts_of(const Primitives& hand, const Mesh& mesh
     for (std::size_t k = 0; k < mesh.triangles.size(); ++k) candidates.push_back(i << 32 | k);
   }
   std::vector<Contact> contacts(candidates.size());
-  contacts.resize(find_contacts(model, hand, candidates, contacts));
+  contacts.resize(collide_pairs(model, hand, candidates, contacts));
   return contacts;
 }
 

@@ -77,7 +77,7 @@ inline Pressed press(const Model& model, const Primitives& hand) {
   }
   Pressed pressed;
   pressed.contacts.resize(candidates.size());
-  pressed.contacts.resize(find_contacts(model, hand, candidates, pressed.contacts));
+  pressed.contacts.resize(collide_pairs(model, hand, candidates, pressed.contacts));
   for (const Contact& contact : pressed.contacts) {
     const Vec3 force = contact.volume * contact.normal;
     pressed.force += force;

@@ -266,7 +266,7 @@ TEST(Tick, AHandThatIsLeftUnshapedWouldHaveTouchedNothing) {
       EXPECT_GT(hand.count, 0u);
       ASSERT_TRUE(find_candidates(model, hand, scratch));
       ASSERT_EQ(
-          find_contacts(model, hand, {scratch.candidates.data(), scratch.candidate_count}, scratch.contacts),
+          collide_pairs(model, hand, {scratch.candidates.data(), scratch.candidate_count}, scratch.contacts),
           0u)
           << i;
     }

@@ -75,7 +75,7 @@ SurfaceSums sum_surface(const FeltSurface& surface, const Model& shape, Scratch&
     return sums;
   }
   const std::uint32_t count =
-      find_contacts(part, hand, {felt.candidates.data(), felt.candidate_count}, felt.contacts);
+      collide_pairs(part, hand, {felt.candidates.data(), felt.candidate_count}, felt.contacts);
   const std::span<Contact> contacts(felt.contacts.data(), count);
   // The shape has the same triangles, and a precision that ends the search for borders earlier.
   take_off_overlaps(shape, hand, segments_felt_once(shape), contacts, felt.sorting);

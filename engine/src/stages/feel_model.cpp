@@ -101,7 +101,7 @@ void make_room(const Model& model, Scratch& scratch) {
 
 void find_all_contacts(const Model& model, Scratch& scratch, bool all_found) {
   const std::span<const std::uint64_t> candidates(scratch.candidates.data(), scratch.candidate_count);
-  scratch.contact_count = find_contacts(model, *scratch.primitives, candidates, scratch.contacts);
+  scratch.contact_count = collide_pairs(model, *scratch.primitives, candidates, scratch.contacts);
   const std::uint32_t shared =
       take_off_overlaps(model, *scratch.primitives, segments_felt_once(model),
                         {scratch.contacts.data(), scratch.contact_count}, scratch.sorting);

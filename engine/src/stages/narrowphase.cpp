@@ -347,7 +347,7 @@ void keep_in_triangle(const Triangles& world, Contact& contact) {
 
 }  // namespace
 
-std::uint32_t find_contacts(const Model& model, const Primitives& hand,
+std::uint32_t collide_pairs(const Model& model, const Primitives& hand,
                             std::span<const std::uint64_t> candidates, std::span<Contact> contacts) {
   if (candidates.empty()) return 0;
   const ExactKernels& kernels = exact_kernels(model.execution.isa);

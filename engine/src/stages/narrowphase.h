@@ -8,7 +8,7 @@ namespace lumbrical {
 
 /// Contacts of all candidates (primitive << 32 | triangle), in their order, those of round primitives under
 /// the field law without their depth; contacts[i] may be written for every i. Returns how many there are.
-std::uint32_t find_contacts(const Model& model, const Primitives& hand,
+std::uint32_t collide_pairs(const Model& model, const Primitives& hand,
                             std::span<const std::uint64_t> candidates, std::span<Contact> contacts);
 
 /// Contact::depth of a contact that was found without.
