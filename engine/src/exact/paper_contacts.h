@@ -11,8 +11,8 @@ namespace lumbrical::LUMBRICAL_ISA {
 // Area and first moments of the part of the polygon in the section; `lost` is 1 where they could not be had.
 template <class V, class M>
 Moments<V> section_area(const RoundPart<V>& part, const RoundPlane<V>& plane, const SideView<V>& side,
-                        const Polygon<V>& polygon, const Corners<V>& all, M wanted, Directions<V>& directions,
-                        InsideParts<V>& inside, V& lost) {
+                        const Polygon<V>& polygon, const PolygonBounds<V>& all, M wanted,
+                        Directions<V>& directions, InsideParts<V>& inside, V& lost) {
   Moments<V> sum = no_moments<V>();
   const auto end = [&](const Polygon<V>& here, V x0, V radius, V height) {
     add_disc(here, directions, x0, radius, height, wanted, sum, inside, [](const Chord<V>& chord, V, V rho2) {

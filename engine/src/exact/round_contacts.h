@@ -40,8 +40,8 @@ inline auto keeps_digits(const RoundPart<V>& part, const RoundPlane<V>& plane, c
 // had.
 template <class V, class M>
 Moments<V> section_moments(const RoundPart<V>& part, const RoundPlane<V>& plane, const SideView<V>& side,
-                           const Polygon<V>& polygon, const Corners<V>& all, V most, bool flat, M wanted,
-                           M whole, Directions<V>& directions, InsideParts<V>& inside, V& lost) {
+                           const Polygon<V>& polygon, const PolygonBounds<V>& all, V most, bool flat,
+                           M wanted, M whole, Directions<V>& directions, InsideParts<V>& inside, V& lost) {
   Moments<V> sum = no_moments<V>();
   const auto end = [&](const Polygon<V>& here, V x0, V radius, V height) {
     add_disc(here, directions, x0, radius, height, wanted, sum, inside,
@@ -61,7 +61,7 @@ Moments<V> section_moments(const RoundPart<V>& part, const RoundPlane<V>& plane,
 // where the conic is a hyperbola: see cone_slivers.h.
 template <class V>
 inline auto meets_sliver(const RoundPart<V>& part, const RoundPlane<V>& plane, V at, V h, V border,
-                         const Corners<V>& all) {
+                         const PolygonBounds<V>& all) {
   const V zero = number<V>(0), t = part.tangent;
   V lower = zero - beyond<V>(), hyperbola = number<V>(1);
   for (const V sign : {t, zero - t}) {
@@ -77,7 +77,7 @@ inline auto meets_sliver(const RoundPart<V>& part, const RoundPlane<V>& plane, V
 
 template <class V>
 inline auto meets_slivers(const RoundPart<V>& part, const RoundPlane<V>& plane, const SideView<V>& side,
-                          const Corners<V>& all) {
+                          const PolygonBounds<V>& all) {
   return meets_sliver(part, plane, number<V>(0), plane.h1, side.border1, all) ||
          meets_sliver(part, plane, plane.x2, plane.h2, side.border2, all);
 }
@@ -86,7 +86,7 @@ inline auto meets_slivers(const RoundPart<V>& part, const RoundPlane<V>& plane, 
 // area and beyond `limit` elsewhere.
 template <class V, class M>
 PointSum<V> whole_by_points(const RoundPart<V>& part, const RoundPlane<V>& plane, const Polygon<V>& polygon,
-                            const Corners<V>& all, M whole, V limit) {
+                            const PolygonBounds<V>& all, M whole, V limit) {
   const V zero = number<V>(0), one = number<V>(1);
   if (!any(whole && limit > zero)) return {zero, zero, zero, beyond<V>()};
   V cut = zero;

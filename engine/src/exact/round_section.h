@@ -14,15 +14,15 @@ inline constexpr double kLeastArea = 1e-13;
 
 // Corners of a polygon: box round them, area and first moments, and whether all are inside the section.
 template <class V>
-struct Corners {
+struct PolygonBounds {
   V low_x, low_y, high_x, high_y, size, outside;  // outside: 1 if any corner is
   V area, area_x, area_y;
 };
 
 template <class V>
-Corners<V> corners_of(const RoundPart<V>& part, const RoundPlane<V>& plane, const Polygon<V>& polygon) {
+PolygonBounds<V> bounds_of(const RoundPart<V>& part, const RoundPlane<V>& plane, const Polygon<V>& polygon) {
   const V zero = number<V>(0), one = number<V>(1), far = beyond<V>();
-  Corners<V> all{far, far, zero - far, zero - far, zero, zero, zero, zero, zero};
+  PolygonBounds<V> all{far, far, zero - far, zero - far, zero, zero, zero, zero, zero};
   for (std::size_t i = 0; i < polygon.count; ++i) {
     const auto here = has_length(polygon.edge[i]);
     if (!any(here)) continue;
@@ -49,7 +49,7 @@ struct RoundPair {
   RoundPart<V> part;
   RoundPlane<V> plane;
   Polygon<V> polygon;
-  Corners<V> all;
+  PolygonBounds<V> all;
   Mask along_cut;   // it all but lies in one of the cuts, so that another way has to be taken
   Mask met, whole;  // polygon and section may meet; all of the polygon lies inside
 };
@@ -62,7 +62,7 @@ RoundPair<V> pair_at(const RoundTerms& terms, std::size_t i) {
   const auto fine = look(pair.part, vector_at<V>(terms.axis, i), corner[0], corner[1], corner[2], pair.plane);
   const V along_cut = set_polygon(terms, pair.part, pair.plane, corner, i, pair.polygon);
   pair.along_cut = fine && along_cut > zero;
-  pair.all = corners_of(pair.part, pair.plane, pair.polygon);
+  pair.all = bounds_of(pair.part, pair.plane, pair.polygon);
   const V r = pair.part.radius1;
   pair.met = fine && pair.all.low_y < r && pair.all.high_y > zero - r;
   pair.whole = pair.met && pair.all.outside == zero;
@@ -78,7 +78,7 @@ inline auto has_deepest_point(const RoundPart<V>& part, const RoundPlane<V>& pla
 
 // The area of polygons wholly inside is known.
 template <class V, class M>
-LUMBRICAL_INLINE inline void take_whole(const Corners<V>& all, M whole, Moments<V>& sum) {
+LUMBRICAL_INLINE inline void take_whole(const PolygonBounds<V>& all, M whole, Moments<V>& sum) {
   sum.area = select(whole, all.area, sum.area);
   sum.area_x = select(whole, all.area_x, sum.area_x);
   sum.area_y = select(whole, all.area_y, sum.area_y);
@@ -86,7 +86,7 @@ LUMBRICAL_INLINE inline void take_whole(const Corners<V>& all, M whole, Moments<
 
 // What an area has to exceed.
 template <class V, class M>
-LUMBRICAL_INLINE inline V least_area(const Corners<V>& all, M whole, V radius) {
+LUMBRICAL_INLINE inline V least_area(const PolygonBounds<V>& all, M whole, V radius) {
   return select(whole, number<V>(0), number<V>(kLeastArea) * (radius * min(radius, all.size)));
 }
 
@@ -116,7 +116,7 @@ InsideParts<V> inside_parts(const Polygon<V>& polygon, const Directions<V>& dire
 // any of it. Of what is handed over `directions` are the edges'.
 template <class V, class M, class End, class Between>
 void over_zones(const RoundPart<V>& part, const RoundPlane<V>& plane, const SideView<V>& side,
-                const Polygon<V>& polygon, const Corners<V>& all, M wanted, Directions<V>& directions,
+                const Polygon<V>& polygon, const PolygonBounds<V>& all, M wanted, Directions<V>& directions,
                 const End& end, const Between& between) {
   const V zero = number<V>(0);
   if (part.sphere) return end(polygon, zero, part.radius1, plane.h1);
