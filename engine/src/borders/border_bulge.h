@@ -21,6 +21,13 @@ struct Bulge {
   double area = 0, volume = 0;           ///< [m^2], [m^3] of the tile's field
   Point2 area_first{0, 0}, first{0, 0};  ///< their first moments in plane coordinates
   double error = 0;                      ///< [m^3] what the volume may be off by
+  void operator+=(const Bulge& more) {
+    area += more.area;
+    volume += more.volume;
+    area_first = area_first + more.area_first;
+    first = first + more.first;
+    error += more.error;
+  }
 };
 
 /// What a border does inside a convex part of the triangle from whose edge to whose edge it runs.

@@ -40,8 +40,7 @@ struct Work {
   std::uint32_t kin_count = 0;
   std::array<Kin, 2> kin{};
   Kin others{};  // of two kin, the first against the second
-  double area = 0, volume = 0, error = 0;
-  Point2 area_first{0, 0}, first{0, 0};
+  Bulge sum{};   // of all that is the tile's
 };
 
 // The innermost and the outermost phalanx; round a middle one of no length they have a joint in common.
@@ -84,10 +83,7 @@ void add_all(Work& work, const Kin* kin = nullptr) {
   const AreaMoments area = common_area(section, overlap, boundary);
   if (!(area.area > 0) || (kin != nullptr && !(precedence(*kin, area.centroid) > 0))) return;
   const PressureMoments field = field_moments(work.kernels, section, area, boundary);
-  work.area += area.area;
-  work.area_first = work.area_first + area.area * area.centroid;
-  work.volume += field.volume;
-  work.first = work.first + field.first;
+  work.sum += {area.area, field.volume, area.area * area.centroid, field.first};
 }
 
 // How much volume it makes, about, whose the part is.
@@ -127,11 +123,7 @@ bool add_crossed(const Kin& kin, const Crossings& crossings, Work& work) {
   if (!integrate_bulge(work.kernels, section, kin, chord, bulge)) return false;
   cut_polygon(chord.across, dot(chord.across, chord.from), section.polygon);
   add_all(work);
-  work.area += bulge.area;
-  work.area_first = work.area_first + bulge.area_first;
-  work.volume += bulge.volume;
-  work.first = work.first + bulge.first;
-  work.error += bulge.error;
+  work.sum += bulge;
   return true;
 }
 
@@ -318,7 +310,7 @@ void share_out_all(const Polygon2& polygon, Work& work) {
     work.section.polygon = part.polygon;
     if (classify(work.section) == Overlap::none) continue;
     add_least(part.middle, part.reach, work);
-    work.error += part.volume;
+    work.sum.error += part.volume;
   }
 }
 
@@ -359,15 +351,16 @@ bool collide_shared(const Primitives& hand, const Primitive& tile, const TileBor
   const double extent = reach_of(polygon, middle_of(polygon));
   share_out_all(polygon, work);
   // Smaller than this an area is what rounding leaves of nothing.
-  if (!(work.area > 1e-14 * extent * min(extent, section.radius1))) return false;
+  const Bulge& sum = work.sum;
+  if (!(sum.area > 1e-14 * extent * min(extent, section.radius1))) return false;
 
-  contact.area = work.area;
-  contact.volume = max(0, work.volume);
-  contact.centroid = to_world(section, (1 / work.area) * work.area_first);
-  contact.centre = work.volume > 0 ? to_world(section, (1 / work.volume) * work.first) : contact.centroid;
+  contact.area = sum.area;
+  contact.volume = max(0, sum.volume);
+  contact.centroid = to_world(section, (1 / sum.area) * sum.area_first);
+  contact.centre = sum.volume > 0 ? to_world(section, (1 / sum.volume) * sum.first) : contact.centroid;
   contact.normal = section.n;
-  contact.error = work.error + kBoundaryError * section.radius1 * section.radius1 * section.radius1 +
-                  plane_rounding(section.origin, at) * work.area;
+  contact.error = sum.error + kBoundaryError * section.radius1 * section.radius1 * section.radius1 +
+                  plane_rounding(section.origin, at) * sum.area;
   return true;
 }
 
