@@ -150,4 +150,15 @@ void piece_nodes(const Piece& piece, const Zone& zone, Singularities singulariti
   });
 }
 
+/// The same of all pieces, one after the other; `kinks_of(piece, zone)` tells the integrand's own.
+template <class Kinks, class F>
+void boundary_nodes(const Section& section, const Boundary& boundary, const Kinks& kinks_of, F&& f) {
+  for (std::size_t i = 0; i < boundary.count; ++i) {
+    const Piece& piece = boundary.piece[i];
+    if (piece.kind == Piece::none || piece.from_x == piece.to_x) continue;
+    const Zone& zone = section.zone[piece.zone];
+    piece_nodes(piece, zone, kinks_of(piece, zone), f);
+  }
+}
+
 }  // namespace lumbrical

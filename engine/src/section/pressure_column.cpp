@@ -189,17 +189,13 @@ Singularities kinks_of(const Columns& columns, const Piece& piece, const Zone& z
 PressureMoments column_moments(const Section& section, const Boundary& boundary) {
   PressureMoments sum;
   const Columns columns(section);
-  for (std::size_t i = 0; i < boundary.count; ++i) {
-    const Piece& piece = boundary.piece[i];
-    if (piece.kind == Piece::none || piece.from_x == piece.to_x) continue;
-    const Zone& zone = section.zone[piece.zone];
-    piece_nodes(piece, zone, kinks_of(columns, piece, zone), [&](double x, double y, double weight) {
-      const Strip strip = strip_to(section, columns, x, y);
-      sum.volume -= weight * strip.zeroth;
-      sum.first.x -= weight * x * strip.zeroth;
-      sum.first.y -= weight * strip.first;
-    });
-  }
+  const auto kinks = [&](const Piece& piece, const Zone& zone) { return kinks_of(columns, piece, zone); };
+  boundary_nodes(section, boundary, kinks, [&](double x, double y, double weight) {
+    const Strip strip = strip_to(section, columns, x, y);
+    sum.volume -= weight * strip.zeroth;
+    sum.first.x -= weight * x * strip.zeroth;
+    sum.first.y -= weight * strip.first;
+  });
   const double r = max(section.radius1, section.radius2);
   sum.error = kColumnError * r * r * r;
   return sum;

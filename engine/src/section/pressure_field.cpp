@@ -140,19 +140,16 @@ PressureMoments field_by_boundary(const ExactKernels& kernels, const Section& se
   PressureMoments sum;
   StripNodes nodes;
   const StripSection strips = strip_section(section, slant);
-  for (std::size_t i = 0; i < boundary.count; ++i) {
-    const Piece& piece = boundary.piece[i];
-    if (piece.kind == Piece::none || piece.from_x == piece.to_x) continue;
-    const Zone& zone = section.zone[piece.zone];
-    piece_nodes(piece, zone, kinks_of(section, slant, piece, zone.part),
-                [&](double x, double y, double weight) {
-                  if (nodes.count == StripNodes::kCapacity) add_nodes(kernels, strips, nodes, sum);
-                  const std::size_t k = nodes.count++;
-                  nodes.x[k] = x;
-                  nodes.y[k] = y;
-                  nodes.weight[k] = weight;
-                });
-  }
+  const auto kinks = [&](const Piece& piece, const Zone& zone) {
+    return kinks_of(section, slant, piece, zone.part);
+  };
+  boundary_nodes(section, boundary, kinks, [&](double x, double y, double weight) {
+    if (nodes.count == StripNodes::kCapacity) add_nodes(kernels, strips, nodes, sum);
+    const std::size_t k = nodes.count++;
+    nodes.x[k] = x;
+    nodes.y[k] = y;
+    nodes.weight[k] = weight;
+  });
   add_nodes(kernels, strips, nodes, sum);
   sum.error = kBoundaryError * section.radius1 * section.radius1 * section.radius1;
   return sum;

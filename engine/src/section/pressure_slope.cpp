@@ -103,7 +103,12 @@ SlopeStrip slope_strip_to(const Section& section, const Slant& slant, double x, 
 
 SlopeMoments slope_by_boundary(const Section& section, const Slant& slant, const Boundary& boundary) {
   SlopeMoments sum;
-  const auto add = [&](double x, double y, double weight) {
+  const auto kinks = [&](const Piece& piece, const Zone& zone) {
+    Singularities singular = kinks_of(section, slant, piece, zone.part);
+    singular.refine = true;
+    return singular;
+  };
+  boundary_nodes(section, boundary, kinks, [&](double x, double y, double weight) {
     const SlopeStrip strip = slope_strip_to(section, slant, x, y);
     sum.one -= weight * strip.zeroth;
     sum.x -= weight * x * strip.zeroth;
@@ -111,15 +116,7 @@ SlopeMoments slope_by_boundary(const Section& section, const Slant& slant, const
     sum.y -= weight * strip.first;
     sum.xy -= weight * x * strip.first;
     sum.yy -= weight * strip.second;
-  };
-  for (std::size_t i = 0; i < boundary.count; ++i) {
-    const Piece& piece = boundary.piece[i];
-    if (piece.kind == Piece::none || piece.from_x == piece.to_x) continue;
-    const Zone& zone = section.zone[piece.zone];
-    Singularities kinks = kinks_of(section, slant, piece, zone.part);
-    kinks.refine = true;
-    piece_nodes(piece, zone, kinks, add);
-  }
+  });
   return sum;
 }
 
