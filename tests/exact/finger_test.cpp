@@ -224,10 +224,9 @@ TEST(Finger, TellsTheDepthOfAContactWhenAsked) {
        test::finger_frame({{{0, 0, height}, {0.04, 0, height}, {0.065, 0, height}, {0.085, 0, height}}}));
   ASSERT_GT(scratch.contact_count, 10u);
   double deepest = 0;
-  for (std::size_t i = 0; i < scratch.contact_count; ++i) {
-    EXPECT_EQ(scratch.contacts[i].depth, 0);
-    deepest = test::largest(deepest, contact_depth(model, scratch, scratch.contacts[i]));
-  }
+  for (std::size_t i = 0; i < scratch.contact_count; ++i) EXPECT_EQ(scratch.contacts[i].depth, 0);
+  for (const Contact& contact : find_contacts(model, scratch))
+    deepest = test::largest(deepest, contact.depth);
   EXPECT_NEAR(deepest, deep, 1e-9);
 }
 

@@ -13,7 +13,7 @@ struct Contact {
   std::uint32_t triangle = 0;   ///< index into Model::triangles
   double depth = 0;  ///< [m] dl_max: the largest depth, through the whole finger; of the palm the largest phi
                      ///< (under `field` its edges have that along -normal). Of round primitives under the
-                     ///< field law 0 until it is asked for (contact_depth)
+                     ///< field law 0 until it is asked for (find_contacts)
   double area = 0;   ///< [m^2] A_C: the part of the triangle inside the primitive
   double volume = 0;  ///< [m^3] the law's depth summed over that part, but for what bodies of the hand that
                       ///< are deeper feel in its place (Settings::felt_once); K_s times it is the force

@@ -20,7 +20,7 @@
 
 namespace lumbrical {
 
-/// How a contacted triangle pushes back; see contact_force.h for the formulas.
+/// How a contacted triangle pushes back; docs/mechanics.md has the formulas.
 enum class Law : std::uint8_t {
   field,      ///< K_s times the integral of the pressure field: exact, mesh-independent, conservative
   column,     ///< K_s times the integral of the paper's depth: exact, mesh-independent on planes

@@ -74,7 +74,7 @@ enum class Stage : std::uint8_t { input, hand_pose, broadphase, narrowphase, con
 inline constexpr int kStageCount = 6;
 std::string_view stage_name(Stage stage);
 
-struct Primitives;    // posed spheres, cylinders and palm; primitive.h inside the engine
+struct Primitives;    // a hand posed and cut into parts; primitive.h inside the engine
 struct SampleMemory;  // the passes of the rungs of samples; sampled_forces.h inside the engine
 struct ProxyMemory;   // what holds the proxy back; proxy_hand.h inside the engine
 struct HandTouches;   // how it touches what is given; touches.h inside the engine
@@ -147,10 +147,6 @@ std::span<const Contact> find_contacts(const Model& model, Scratch& scratch);
 /// The same of one of Model::apart, in its frame O, which stood at ObjectOutput::pose; Contact::triangle
 /// counts its own, Contact::depth is there. Until the next call.
 std::span<const Contact> find_contacts(const Model& model, Scratch& scratch, std::size_t object);
-
-/// [m] Contact::depth of a contact of the world in the last tick, worked out now where the tick had no need
-/// of it.
-double contact_depth(const Model& model, const Scratch& scratch, const Contact& contact);
 
 /// The hand segment that a contact of the world is felt by in the last tick; the object is object_of(model,
 /// triangle) (model.h).

@@ -192,7 +192,7 @@ std::span<const Contact> records(const Model& model, Scratch& scratch) {
   for (std::uint32_t i = 0; i < scratch.contact_count; ++i) {
     if (is_rounding(model, *scratch.primitives, scratch.contacts[i])) continue;
     Contact& contact = scratch.contacts[count++] = scratch.contacts[i];
-    contact.depth = contact_depth(model, scratch, contact);
+    contact.depth = depth_of(model, *scratch.primitives, contact);
   }
   scratch.contact_count = count;
   return {scratch.contacts.data(), count};
@@ -237,12 +237,6 @@ std::span<const Contact> find_contacts(const Model& model, Scratch& scratch, std
     tile_hand_in(shape, hand.joints, inverse(scratch.object_output[object].pose), placed);
   find_exact_contacts(shape, own);
   return records(shape, own);
-}
-
-double contact_depth(const Model& model, const Scratch& scratch, const Contact& contact) {
-  assert(contact.primitive < scratch.primitives->count);
-  const FloatingPointGuard guard;
-  return depth_of(model, *scratch.primitives, contact);
 }
 
 int contact_segment(const Scratch& scratch, const Contact& contact) {
