@@ -1,7 +1,10 @@
 // Device profiles from JSON files, read through schemas/device.fbs.
+#include <optional>
+#include <string>
 #include <utility>
 
 #include "base/floating_point.h"
+#include "base/named.h"
 #include "device/profile_check.h"
 #include "device_bfbs_generated.h"
 #include "device_generated.h"
@@ -17,11 +20,6 @@ using flatbuffers::uoffset_t;
 constexpr double kDefaultRise = 0.02;
 constexpr double kLargest = 1e9;
 
-struct Name {
-  const char* text;
-  int value;
-};
-
 class ProfileReader {
  public:
   ProfileReader(const JsonFile& file, DeviceProfile& profile) : read_(file), profile_(profile) {}
@@ -29,7 +27,8 @@ class ProfileReader {
   Status read(const device_format::Device& table);
 
  private:
-  int name(const flatbuffers::String* text, const std::string& path, std::span<const Name> names);
+  template <class T, std::size_t N>
+  T named(const flatbuffers::String* text, const std::string& path, const Named<T> (&all)[N]);
   int joint(const flatbuffers::String* text, const std::string& path);
   template <class Integer>
   void word(flatbuffers::Optional<std::uint32_t> value, const std::string& path, Integer& target,
@@ -53,16 +52,15 @@ class ProfileReader {
 };
 
 // Answers the first value where the text is missing.
-int ProfileReader::name(const flatbuffers::String* text, const std::string& path,
-                        std::span<const Name> names) {
-  if (text == nullptr) return names[0].value;
+template <class T, std::size_t N>
+T ProfileReader::named(const flatbuffers::String* text, const std::string& path, const Named<T> (&all)[N]) {
+  if (text == nullptr) return all[0].value;
+  if (const auto value = value_named(all, text->string_view())) return *value;
   std::string choice;
-  for (const Name& known : names) {
-    if (text->string_view() == known.text) return known.value;
-    choice += (choice.empty() ? "\"" : ", \"") + std::string(known.text) + "\"";
-  }
+  for (const Named<T>& known : all)
+    choice += (choice.empty() ? "\"" : ", \"") + std::string(known.name) + "\"";
   read_.error(path, "must be one of " + choice);
-  return names[0].value;
+  return all[0].value;
 }
 
 int ProfileReader::joint(const flatbuffers::String* text, const std::string& path) {
@@ -85,17 +83,14 @@ void ProfileReader::field(const device_format::Field* table, const std::string& 
   target.unit = unit_;
   if (table == nullptr && !has_registers(profile_.transport.kind)) return;
   if (table == nullptr) return read_.error(path, "is missing");
-  static constexpr Name kTypes[] = {{"s16", static_cast<int>(RegisterType::s16)},
-                                    {"u16", static_cast<int>(RegisterType::u16)},
-                                    {"s32", static_cast<int>(RegisterType::s32)},
-                                    {"f32", static_cast<int>(RegisterType::f32)},
-                                    {"u8 high", static_cast<int>(RegisterType::u8_high)},
-                                    {"u8 low", static_cast<int>(RegisterType::u8_low)}};
-  static constexpr Name kWords[] = {{"high first", 0}, {"low first", 1}};
+  static constexpr Named<RegisterType> kTypes[] = {
+      {"s16", RegisterType::s16}, {"u16", RegisterType::u16},         {"s32", RegisterType::s32},
+      {"f32", RegisterType::f32}, {"u8 high", RegisterType::u8_high}, {"u8 low", RegisterType::u8_low}};
+  static constexpr Named<bool> kWords[] = {{"high first", false}, {"low first", true}};
   word(table->address(), path + ".address", target.address, true);
   word(table->unit(), path + ".unit", target.unit, false, 247);
-  target.type = static_cast<RegisterType>(name(table->type(), path + ".type", kTypes));
-  target.low_word_first = name(table->words(), path + ".words", kWords) == 1;
+  target.type = named(table->type(), path + ".type", kTypes);
+  target.low_word_first = named(table->words(), path + ".words", kWords);
   read_.number(table->scale(), path + ".scale", {-kLargest, kLargest}, target.scale);
   read_.number(table->offset(), path + ".offset", {-kLargest, kLargest}, target.offset);
 }
@@ -103,20 +98,21 @@ void ProfileReader::field(const device_format::Field* table, const std::string& 
 void ProfileReader::transport(const device_format::Transport* table) {
   if (table == nullptr) return;
   Transport& target = profile_.transport;
-  static constexpr Name kKinds[] = {{"tcp", static_cast<int>(TransportKind::tcp)},
-                                    {"rtu", static_cast<int>(TransportKind::rtu)},
-                                    {"udp", static_cast<int>(TransportKind::udp)},
-                                    {"memory", static_cast<int>(TransportKind::memory)}};
-  static constexpr Name kNetworks[] = {{"private", 0}, {"any", 1}};
-  static constexpr Name kParities[] = {{"none", 'N'}, {"even", 'E'}, {"odd", 'O'}};
-  target.kind = static_cast<TransportKind>(name(table->kind(), "transport.kind", kKinds));
+  static constexpr Named<TransportKind> kKinds[] = {{"tcp", TransportKind::tcp},
+                                                    {"rtu", TransportKind::rtu},
+                                                    {"udp", TransportKind::udp},
+                                                    {"memory", TransportKind::memory}};
+  static constexpr Named<bool> kNetworks[] = {{"private", false}, {"any", true}};
+  static constexpr Named<Parity> kParities[] = {
+      {"none", Parity::none}, {"even", Parity::even}, {"odd", Parity::odd}};
+  target.kind = named(table->kind(), "transport.kind", kKinds);
   if (table->host() != nullptr) target.host = table->host()->str();
   if (table->region() != nullptr) target.region = table->region()->str();
   if (table->line() != nullptr) target.line = table->line()->str();
   word(table->port(), "transport.port", target.port);
-  target.anywhere = name(table->network(), "transport.network", kNetworks) == 1;
+  target.anywhere = named(table->network(), "transport.network", kNetworks);
   read_.count(table->baud(), "transport.baud", range::baud, target.baud);
-  target.parity = static_cast<Parity>(name(table->parity(), "transport.parity", kParities));
+  target.parity = named(table->parity(), "transport.parity", kParities);
   std::uint32_t stop_bits = target.stop_bits;
   read_.count(table->stop_bits(), "transport.stop_bits", range::stop_bits, stop_bits);
   target.stop_bits = static_cast<std::uint8_t>(stop_bits);
@@ -137,13 +133,12 @@ void ProfileReader::arms(const device_format::Actuator& table, const std::string
 
 void ProfileReader::actuator(const device_format::Actuator& table, const std::string& path,
                              Actuator& target) {
-  static constexpr Name kDrives[] = {{"motor", static_cast<int>(Drive::motor)},
-                                     {"wire", static_cast<int>(Drive::wire)},
-                                     {"brake", static_cast<int>(Drive::brake)}};
+  static constexpr Named<Drive> kDrives[] = {
+      {"motor", Drive::motor}, {"wire", Drive::wire}, {"brake", Drive::brake}};
   const Range range{-kLargest, kLargest};
   if (table.name() == nullptr || table.name()->size() == 0) read_.error(path + ".name", "is missing");
   if (table.name() != nullptr) target.name = table.name()->str();
-  target.drive = static_cast<Drive>(name(table.drive(), path + ".drive", kDrives));
+  target.drive = named(table.drive(), path + ".drive", kDrives);
   field(table.at(), path + ".at", target.field);
   read_.number(table.lower(), path + ".lower", range, target.lower);
   if (!table.upper().has_value()) read_.error(path + ".upper", "is missing");
@@ -161,9 +156,9 @@ void ProfileReader::actuator(const device_format::Actuator& table, const std::st
 }
 
 void ProfileReader::sensor(const device_format::Sensor& table, const std::string& path, Sensor& target) {
-  static constexpr Name kMotions[] = {{"flexion", 1}, {"abduction", 0}};
+  static constexpr Named<bool> kMotions[] = {{"flexion", true}, {"abduction", false}};
   const int segment = joint(table.joint(), path + ".joint");
-  const bool flexion = name(table.motion(), path + ".motion", kMotions) == 1;
+  const bool flexion = named(table.motion(), path + ".motion", kMotions);
   if (!flexion && segment % 3 != 0)
     read_.error(path + ".motion", "is possible at a finger's first joint only");
   target.angle =
@@ -277,12 +272,12 @@ void ProfileReader::coarsen_steps() {
 }
 
 void ProfileReader::timing(const device_format::Device& table) {
-  static constexpr Name kCommands[] = {{"FC16", 0}, {"FC23", 1}};
-  static constexpr Name kFeedbacks[] = {{"FC3", 3}, {"FC4", 4}};
-  profile_.read_write = name(table.command(), "command", kCommands) == 1;
-  profile_.read_function = name(table.feedback(), "feedback", kFeedbacks);
-  static constexpr Name kUnattended[] = {{"refused", 0}, {"accepted", 1}};
-  profile_.unattended = name(table.unattended(), "unattended", kUnattended) == 1;
+  static constexpr Named<bool> kCommands[] = {{"FC16", false}, {"FC23", true}};
+  static constexpr Named<int> kFeedbacks[] = {{"FC3", 3}, {"FC4", 4}};
+  profile_.read_write = named(table.command(), "command", kCommands);
+  profile_.read_function = named(table.feedback(), "feedback", kFeedbacks);
+  static constexpr Named<bool> kUnattended[] = {{"refused", false}, {"accepted", true}};
+  profile_.unattended = named(table.unattended(), "unattended", kUnattended);
   read_.number(table.rate(), "rate", range::exchange_rate, profile_.rate);
   read_.number(table.response_timeout(), "response_timeout", range::response_timeout,
                profile_.response_timeout);
@@ -296,9 +291,9 @@ Status ProfileReader::read(const device_format::Device& table) {
   if (table.name() != nullptr) profile_.name = table.name()->str();
   if (table.source() != nullptr) profile_.source = table.source()->str();
   profile_.verified = table.verified();
-  constexpr Name kSides[] = {{"either", 0}, {"left", 1}, {"right", 2}};
-  if (const int side = name(table.side(), "side", kSides); side > 0)
-    profile_.side = side == 1 ? Side::left : Side::right;
+  static constexpr Named<std::optional<Side>> kSides[] = {
+      {"either", std::nullopt}, {"left", Side::left}, {"right", Side::right}};
+  profile_.side = named(table.side(), "side", kSides);
   transport(table.transport());
   timing(table);
   for (uoffset_t i = 0; table.actuators() != nullptr && i < table.actuators()->size(); ++i) {

@@ -1,71 +1,39 @@
 // The names that scene files, options and messages use.
-#include <array>
 #include <optional>
 #include <string_view>
-#include <utility>
 
+#include "base/named.h"
 #include "lumbrical/model.h"
 
 namespace lumbrical {
 namespace {
 
-constexpr std::array<std::pair<std::string_view, Law>, 5> kLawNames = {{
-    {"field", Law::field},
-    {"column", Law::column},
-    {"max-depth", Law::max_depth},
-    {"centroid", Law::centroid},
-    {"point", Law::point},
-}};
-constexpr std::array<std::pair<std::string_view, FeltOnce>, 3> kFeltOnceNames = {{
+constexpr Named<Law> kLawNames[] = {
+    {"field", Law::field},       {"column", Law::column}, {"max-depth", Law::max_depth},
+    {"centroid", Law::centroid}, {"point", Law::point},
+};
+constexpr Named<FeltOnce> kFeltOnceNames[] = {
     {"never", FeltOnce::never},
     {"by-samples", FeltOnce::by_samples},
     {"always", FeltOnce::always},
-}};
-constexpr std::array<std::pair<std::string_view, Broadphase>, 5> kBroadphaseNames = {{
-    {"auto", Broadphase::automatic},
-    {"tree", Broadphase::tree},
-    {"grid", Broadphase::grid},
-    {"voxel", Broadphase::voxel},
-    {"brute", Broadphase::brute},
-}};
-constexpr std::array<std::pair<std::string_view, Winding>, 3> kWindingNames = {{
+};
+constexpr Named<Broadphase> kBroadphaseNames[] = {
+    {"auto", Broadphase::automatic}, {"tree", Broadphase::tree},   {"grid", Broadphase::grid},
+    {"voxel", Broadphase::voxel},    {"brute", Broadphase::brute},
+};
+constexpr Named<Winding> kWindingNames[] = {
     {"auto", Winding::automatic},
     {"as is", Winding::as_is},
     {"flip", Winding::flip},
-}};
-constexpr std::array<std::pair<std::string_view, Mobility>, 6> kMobilityNames = {{
-    {"fixed", Mobility::fixed},
-    {"given", Mobility::given},
-    {"free", Mobility::free},
-    {"hinge", Mobility::hinge},
-    {"slider", Mobility::slider},
-    {"ball", Mobility::ball},
-}};
-constexpr std::array<std::pair<std::string_view, Isa>, 7> kIsaNames = {{
-    {"auto", Isa::automatic},
-    {"scalar", Isa::scalar},
-    {"sse2", Isa::sse2},
-    {"avx2", Isa::avx2},
-    {"avx512", Isa::avx512},
-    {"neon", Isa::neon},
-    {"simd128", Isa::simd128},
-}};
-
-template <class Names, class T = typename Names::value_type::second_type>
-std::optional<T> value_named(const Names& names, std::string_view text) {
-  for (const auto& [name, value] : names) {
-    if (name == text) return value;
-  }
-  return std::nullopt;
-}
-
-template <class Names, class T>
-std::string_view name_valued(const Names& names, T wanted) {
-  for (const auto& [name, value] : names) {
-    if (value == wanted) return name;
-  }
-  return "unknown";
-}
+};
+constexpr Named<Mobility> kMobilityNames[] = {
+    {"fixed", Mobility::fixed}, {"given", Mobility::given},   {"free", Mobility::free},
+    {"hinge", Mobility::hinge}, {"slider", Mobility::slider}, {"ball", Mobility::ball},
+};
+constexpr Named<Isa> kIsaNames[] = {
+    {"auto", Isa::automatic}, {"scalar", Isa::scalar}, {"sse2", Isa::sse2},       {"avx2", Isa::avx2},
+    {"avx512", Isa::avx512},  {"neon", Isa::neon},     {"simd128", Isa::simd128},
+};
 
 // Of what the engine knows by number.
 template <class Name>

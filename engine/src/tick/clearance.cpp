@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "base/floating_point.h"
+#include "base/named.h"
 #include "index/sphere_tree.h"
 #include "index/triangle_distance.h"
 #include "model/corners.h"
@@ -177,16 +178,12 @@ bool find_grasp(const Scene& scene, const Motion& motion, double seconds, Vec3& 
   return narrowest < 1e300;
 }
 
-constexpr std::array<std::pair<std::string_view, Alignment::Target>, 8> kTargetNames = {{
-    {"centre", Alignment::Target::centre},
-    {"top", Alignment::Target::top},
-    {"bottom", Alignment::Target::bottom},
-    {"left", Alignment::Target::left},
-    {"right", Alignment::Target::right},
-    {"front", Alignment::Target::front},
-    {"back", Alignment::Target::back},
-    {"contact", Alignment::Target::contact},
-}};
+constexpr Named<Alignment::Target> kTargetNames[] = {
+    {"centre", Alignment::Target::centre}, {"top", Alignment::Target::top},
+    {"bottom", Alignment::Target::bottom}, {"left", Alignment::Target::left},
+    {"right", Alignment::Target::right},   {"front", Alignment::Target::front},
+    {"back", Alignment::Target::back},     {"contact", Alignment::Target::contact},
+};
 
 Vec3 target_point(const Alignment& alignment, const Box& box) {
   using Target = Alignment::Target;
@@ -240,9 +237,8 @@ std::optional<Alignment> parse_alignment(std::string_view text) {
     alignment.object = text.substr(0, colon);
     text.remove_prefix(colon + 1);
   }
-  for (const auto& [name, target] : kTargetNames) {
-    if (text != name) continue;
-    alignment.target = target;
+  if (const auto target = value_named(kTargetNames, text)) {
+    alignment.target = *target;
     return alignment;
   }
   alignment.target = Alignment::Target::point;
