@@ -33,6 +33,8 @@ class ProfileReader {
   template <class Integer>
   void word(flatbuffers::Optional<std::uint32_t> value, const std::string& path, Integer& target,
             bool needed = false, std::uint32_t most = 65535);
+  template <class Table, class Target>
+  void place(const Table& table, const std::string& path, Target& target);
   void field(const device_format::Field* table, const std::string& path, RegisterField& target);
   void transport(const device_format::Transport* table);
   void actuator(const device_format::Actuator& table, const std::string& path, Actuator& target);
@@ -79,6 +81,14 @@ void ProfileReader::word(flatbuffers::Optional<std::uint32_t> value, const std::
   target = static_cast<Integer>(number);
 }
 
+// Where a register is: at the transport's unit, unless it names its own.
+template <class Table, class Target>
+void ProfileReader::place(const Table& table, const std::string& path, Target& target) {
+  target.unit = unit_;
+  word(table.unit(), path + ".unit", target.unit, false, 247);
+  word(table.address(), path + ".address", target.address, true);
+}
+
 void ProfileReader::field(const device_format::Field* table, const std::string& path, RegisterField& target) {
   target.unit = unit_;
   if (table == nullptr && !has_registers(profile_.transport.kind)) return;
@@ -87,8 +97,7 @@ void ProfileReader::field(const device_format::Field* table, const std::string& 
       {"s16", RegisterType::s16}, {"u16", RegisterType::u16},         {"s32", RegisterType::s32},
       {"f32", RegisterType::f32}, {"u8 high", RegisterType::u8_high}, {"u8 low", RegisterType::u8_low}};
   static constexpr Named<bool> kWords[] = {{"high first", false}, {"low first", true}};
-  word(table->address(), path + ".address", target.address, true);
-  word(table->unit(), path + ".unit", target.unit, false, 247);
+  place(*table, path, target);
   target.type = named(table->type(), path + ".type", kTypes);
   target.low_word_first = named(table->words(), path + ".words", kWords);
   read_.number(table->scale(), path + ".scale", {-kLargest, kLargest}, target.scale);
@@ -174,18 +183,16 @@ void ProfileReader::handshake(const device_format::Device& table) {
   const auto* const writes = table.handshake();
   for (uoffset_t i = 0; writes != nullptr && i < writes->size(); ++i) {
     const std::string path = "handshake[" + std::to_string(i) + "]";
-    RegisterWrite write{unit_, 0, 0};
-    word(writes->Get(i)->unit(), path + ".unit", write.unit, false, 247);
-    word(writes->Get(i)->address(), path + ".address", write.address, true);
+    RegisterWrite write;
+    place(*writes->Get(i), path, write);
     word(writes->Get(i)->value(), path + ".value", write.value, true);
     profile_.handshake.push_back(write);
   }
   const auto* const checks = table.expected();
   for (uoffset_t i = 0; checks != nullptr && i < checks->size(); ++i) {
     const std::string path = "expected[" + std::to_string(i) + "]";
-    RegisterCheck check{unit_, 0, 0xFFFF, 0};
-    word(checks->Get(i)->unit(), path + ".unit", check.unit, false, 247);
-    word(checks->Get(i)->address(), path + ".address", check.address, true);
+    RegisterCheck check;
+    place(*checks->Get(i), path, check);
     word(checks->Get(i)->mask(), path + ".mask", check.mask);
     word(checks->Get(i)->value(), path + ".value", check.value, true);
     profile_.expected.push_back(check);
@@ -196,27 +203,21 @@ void ProfileReader::words(const device_format::Device& table) {
   if (const device_format::Control* const control = table.control()) {
     ControlWord& target = profile_.control;
     target.present = true;
-    target.unit = unit_;
-    word(control->unit(), "control.unit", target.unit, false, 247);
-    word(control->address(), "control.address", target.address, true);
+    place(*control, "control", target);
     word(control->idle(), "control.idle", target.idle);
     word(control->active(), "control.active", target.active);
   }
   if (const device_format::Heartbeat* const heartbeat = table.heartbeat()) {
     Heartbeat& target = profile_.heartbeat;
     target.present = true;
-    target.unit = unit_;
     target.echoed = heartbeat->echo().has_value();
-    word(heartbeat->unit(), "heartbeat.unit", target.unit, false, 247);
-    word(heartbeat->address(), "heartbeat.address", target.address, true);
+    place(*heartbeat, "heartbeat", target);
     word(heartbeat->echo(), "heartbeat.echo", target.echo_address);
   }
   if (const device_format::StatusBits* const status = table.status()) {
     StatusBits& target = profile_.status;
     target.present = true;
-    target.unit = unit_;
-    word(status->unit(), "status.unit", target.unit, false, 247);
-    word(status->address(), "status.address", target.address, true);
+    place(*status, "status", target);
     word(status->fault(), "status.fault", target.fault);
     word(status->stop(), "status.stop", target.stop);
     word(status->dead_man(), "status.dead_man", target.dead_man);
