@@ -10,9 +10,9 @@
 
 namespace lumbrical {
 
-/// Sets everything of the contact but its indices and its depth. False
-/// where tile and triangle have no area in common. `borders` are those on this triangle; where there are none, the
-/// contact with the tile cut by its planes is the same.
+/// Sets everything of the contact but its indices and its depth. False where tile and triangle have no area
+/// in common. `borders` are those on this triangle; where there are none, the contact with the tile cut by
+/// its planes is the same.
 bool collide_shared(const Primitives& hand, const Primitive& tile, const TileBorders& borders,
                     const ExactKernels& kernels, const Corners& at, Contact& contact);
 
