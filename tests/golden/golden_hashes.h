@@ -37,7 +37,7 @@ inline constexpr GoldenHash kGolden[] = {
     {"once.exact", 0x856fed2d5bc63fd3},
     {"bent", 0x553879e650c63c03},
     {"plump", 0x449d321602f10cd2},
-    {"objects", 0x3624ddb941963636},
+    {"objects", 0x9cb4e5656590cb05},
     {"proxy", 0x2c3394d146c2104c},
     {"surface", 0x0bd551152ee7d965},
     {"jacobians", 0x718ea976650a35bb},

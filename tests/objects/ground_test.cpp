@@ -94,5 +94,56 @@ TEST(Ground, LightThingsThatAHandHoldsOnItComeToRest) {
   }
 }
 
+// [m/s] The fastest that a body dropped from `height` [m] ever is, whichever way it tumbles.
+double top_speed(const Mesh& mesh, double mass, double rate, double height) {
+  test::Random random(5);
+  double top = 0;
+  for (int i = 0; i < 4; ++i) {
+    Scene scene = test::pad_scene();
+    scene.settings.rate = rate;
+    scene.ground.emplace();
+    scene.objects.push_back(test::body_of("it", mesh, mass, {{0, 0, height}, random.rotation()}, kSkin));
+    Session run(scene);
+    for (int n = 0; n < rate; ++n) {
+      run.step(test::frame_of({{{0, 0, 10}}}));
+      top = largest(top, norm(run.state.objects[0].velocity));
+    }
+  }
+  return top;
+}
+
+TEST(Ground, ThingsThatFallOnItGainNoSpeedHoweverLightTheyAre) {
+  constexpr double kHeight = 0.05, kFallen = 0.99;  // [m], [m/s] at the ground
+  const Mesh card = make_box({0.008, 0.005, 0.0005}, 1), cube = make_box({0.005, 0.005, 0.005}, 1),
+             pencil = make_box({0.08, 0.003, 0.003}, 1);
+  for (const double rate : {200.0, 500.0, 1000.0, 4000.0}) {
+    for (const double mass : {1e-5, 1e-4, 1e-3}) {
+      for (const Mesh* mesh : {&card, &cube, &pencil})
+        EXPECT_LT(top_speed(*mesh, mass, rate, kHeight), 1.1 * kFallen) << rate << ", " << mass;
+    }
+  }
+}
+
+TEST(Ground, LightThingsStayUnderAFingerThatPressesThem) {
+  constexpr double kSize = 0.005;
+  for (const double rate : {200.0, 500.0, 1000.0}) {
+    for (const double mass : {1e-5, 1e-4, 5e-4}) {
+      Scene scene = test::pad_scene();
+      scene.settings.rate = rate;
+      scene.ground.emplace();
+      scene.objects.push_back(
+          test::body_of("ball", make_sphere(kSize / 2, 6), mass, {{0, 0, kSize / 2}, {}}, kSkin));
+      Session run(scene);
+      for (int i = 0; i < 1.5 * rate; ++i) {
+        const double pressed = 0.003 * min(1, i / (0.5 * rate)),
+                     slid = 0.002 * clamp(i / (0.5 * rate) - 1, 0, 1);
+        run.step(test::frame_of({{{slid, 0, kSize + test::kPadRadius + 0.001 - pressed}, {0, 0, 1}}}));
+      }
+      EXPECT_GT(run.output.segment[2].force.z, 0.3) << rate << ", " << mass;
+      EXPECT_LT(norm(run.state.objects[0].pose.position), 0.01) << rate << ", " << mass;
+    }
+  }
+}
+
 }  // namespace
 }  // namespace lumbrical

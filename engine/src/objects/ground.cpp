@@ -5,11 +5,10 @@
 namespace lumbrical {
 namespace {
 
-// [m] So far a body sinks in at a single point that carries it.
-constexpr double kRestingDepth = 5e-5;
-
-// [N/m] What is light and pressed by a hand finds the ground as hard.
-constexpr double kLeastStiffness = 5e4;
+// [m] So far a body sinks in at a single point that carries it and what presses it, while that is
+// no more than kHeld [N]: a light thing is as hard to press in, and without a hand doesn't rattle as on
+// anvils.
+constexpr double kRestingDepth = 5e-5, kHeld = 2.5;
 
 // [m/s] What is deeper in, since it began there or fell fast, comes out no faster; what comes down faster
 // than that is not held so hard, or what spins would rattle at low rates.
@@ -33,7 +32,7 @@ Wrench rest_on(const Ground& ground, std::span<const Vec3> points, const MassPro
   Wrench wrench;
   const Vec3 centre = transform(state.pose, body.centre);
   // Damped as strongly as does without a bounce.
-  const double stiffness = max(weight / kRestingDepth, kLeastStiffness),
+  const double stiffness = max(weight, min(load, kHeld)) / kRestingDepth,
                critical = 2 * std::sqrt(stiffness * body.mass);
   const auto damping_of = [&](const Support& support) {
     return support.rising < -kFalling ? critical : max(critical, stiffness * support.depth / kMostRising);
