@@ -116,10 +116,10 @@ struct Settings {
   FeltOnce felt_once = FeltOnce::by_samples;
   Pad pad;
   /// Most evaluations of a field that samples may spend in a tick, 0 .. 1e9; 0: as many as it takes. What a
-  /// tick will spend is known before its kernels run; beyond the bound it takes the next coarser lattices,
-  /// and in the end one cell a patch, which it takes whatever the bound (kCoarsened,
-  /// ActuatorFrame::error_estimate). The world has it first,
-  /// then the objects apart in their order, each before its pads' layers.
+  /// tick will spend is known before its kernels run; near the bound it takes the next coarser lattices, and
+  /// in the end one cell a patch, which it takes whatever the bound (kCoarsened,
+  /// ActuatorFrame::error_estimate). The world has it first, then the objects apart in their order, each
+  /// before its pads' layers.
   std::uint32_t effort = 0;
   std::uint32_t max_candidates = 1u << 18;  ///< pairs (primitive, triangle) a tick can hold, 1 .. 2^24
 };

@@ -10,6 +10,9 @@ constexpr std::uint64_t kPerBlock = 7, kPerRule = 16;
 // Fields of a point that any parts share: about three, for each of them.
 constexpr std::uint64_t kPerParts = 9;
 
+// Share of a bound on effort from which on one cell a patch is mixed in.
+constexpr double kNearly = 0.9;
+
 std::uint64_t count_of(const NearPatches& near, std::uint32_t first, std::uint32_t last,
                        std::size_t patch_class) {
   return near.of_kinds(first, last, patch_class).size();
@@ -60,6 +63,14 @@ bool keep_effort(const Effort& effort, std::uint64_t most, LevelWeights& weights
     coarsened = true;
   }
   return coarsened;
+}
+
+double one_cell_share(const Effort& effort, std::uint64_t most) {
+  if (most == 0) return 0;
+  if (most <= effort.one_cell) return 1;
+  const auto coarsest = static_cast<double>(effort.always + effort.level[0]),
+             left = static_cast<double>(most - effort.one_cell);
+  return clamp((coarsest / left - kNearly) / (1 - kNearly), 0, 1);
 }
 
 double error_factor_of(const LevelWeights& weights, double force) {

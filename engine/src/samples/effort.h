@@ -22,6 +22,10 @@ Effort effort_of(const PatchRules& rules, const NearPatches& near, const Overlap
 /// it had to. The coarsest level may take more.
 bool keep_effort(const Effort& effort, std::uint64_t most, LevelWeights& weights);
 
+/// With what share, 0 to 1, lattices of one cell are mixed in, so that nothing steps where a growing effort
+/// reaches `most` (0: no bound): it grows while even the coarsest level takes nearly what they leave of it.
+double one_cell_share(const Effort& effort, std::uint64_t most);
+
 /// What the levels of those weights cost together.
 std::uint64_t evaluations_of(const Effort& effort, const LevelWeights& weights);
 

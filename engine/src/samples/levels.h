@@ -22,7 +22,7 @@ using LevelWeights = std::array<double, kLevels>;
 struct Fineness {
   LevelWeights level{};
   bool coarse_blocks = false;  ///< blocks on the skin are those of level 0, whatever the lattices
-  bool one_cell = false;       ///< and each lattice is one cell
+  double one_cell = 0;         ///< the share, 0 to 1, with which each lattice counts as one cell
 };
 
 /// Least forces for which level k will do without the next finer one: sums of what bodies feel by centroids,

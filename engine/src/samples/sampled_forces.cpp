@@ -169,13 +169,26 @@ std::size_t coarsest_of(const LevelWeights& weights) {
   return level;
 }
 
-void feel_in_one_cell(SampleTeam& team, const Effort& effort, double force, SampledForces& forces) {
-  forces.fineness.level = {1};
+// Whatever the hand's levels.
+SampledForces in_one_cell(SampleTeam& team, const Effort& effort, double force) {
+  SampledForces forces;
   forces.evaluations = effort.one_cell;
-  forces.coarsened = true;
   forces.error_factor =
       one_cell_error_factor(team.model.patches->rules, team.memory.near, team.memory.overlaps, force);
   feel_on_one_level(team, kOneCell, forces);
+  return forces;
+}
+
+void mix(const SampledForces& rough, double share, SampledForces& forces) {
+  for (std::size_t i = 0; i < kSegmentCount; ++i) {
+    Wrench mixed;
+    mixed += (1 - share) * forces.segment[i];
+    mixed += share * rough.segment[i];
+    forces.segment[i] = mixed;
+  }
+  forces.evaluations += rough.evaluations;
+  forces.error_factor = (1 - share) * forces.error_factor + share * rough.error_factor;
+  forces.coarsened = true;
 }
 
 Effort effort_of(const SampleTeam& team) {
@@ -187,6 +200,11 @@ std::uint64_t effort_left(const SampleTeam& team) {
   const std::uint64_t most = team.model.settings.effort, spent = team.memory.spent;
   if (most == 0) return 0;
   return spent < most ? most - spent : 1;
+}
+
+bool same_blocks(const SampleTeam& team, std::size_t a, std::size_t b) {
+  const auto& block = team.model.patches->rules.block_on_skin;
+  return block[a] == block[b];
 }
 
 LevelWeights only(std::size_t level) {
@@ -221,24 +239,41 @@ bool feel_by_level(SampleTeam& team, std::size_t coarser, const Effort& effort, 
   return true;
 }
 
+// On the levels of forces.fineness, as far as `most` allows (0: all).
+bool feel_levels(SampleTeam& team, const Effort& effort, std::uint64_t most, double force,
+                 SampledForces& forces) {
+  const Fineness& fineness = forces.fineness;
+  LevelWeights& level = forces.fineness.level;
+  forces.coarsened = keep_effort(effort, most, level) || fineness.coarse_blocks;
+  forces.evaluations = evaluations_of(effort, level);
+  if (forces.coarsened)  // a level's blocks are off as much as its lattices
+    forces.error_factor = error_factor_of(fineness.coarse_blocks ? only(0) : level, force);
+  const std::size_t coarsest = coarsest_of(level);
+  if (!(level[coarsest] < 1)) {
+    feel_on_one_level(team, coarsest, forces);
+  } else if (fineness.coarse_blocks || same_blocks(team, coarsest, coarsest + 1)) {
+    feel_on_two_levels(team, coarsest, forces);
+  } else {
+    return feel_by_level(team, coarsest, effort, most, force, forces);
+  }
+  return true;
+}
+
 // As finely as the force at centroids calls for and Settings::effort allows, or as `given`. What is near has
 // been found for the coarsest level, which asks for the least.
 bool feel(SampleTeam& team, const Fineness* given, SampledForces& forces) {
-  const Patches& patches = *team.model.patches;
-  const auto same_blocks = [&](std::size_t a, std::size_t b) {
-    return patches.rules.block_on_skin[a] == patches.rules.block_on_skin[b];
-  };
-  const double force = force_at_centroids(team.memory.bodies, team.memory.search) / patches.rules.radius3;
+  const double force =
+      force_at_centroids(team.memory.bodies, team.memory.search) / team.model.patches->rules.radius3;
   const std::uint64_t most = given != nullptr ? 0 : effort_left(team);
   Fineness& fineness = forces.fineness;
   LevelWeights& level = fineness.level;
   fineness = given != nullptr ? *given : Fineness{level_weights(force)};
-  if (same_blocks(0, 1)) {  // they have the same lattices
+  if (same_blocks(team, 0, 1)) {  // they have the same lattices
     level[1] += level[0];
     level[0] = 0;
   }
   const std::size_t wanted = coarsest_of(level);
-  const bool own_blocks = !fineness.coarse_blocks && !same_blocks(wanted, 0);
+  const bool own_blocks = !fineness.coarse_blocks && !same_blocks(team, wanted, 0);
   if (own_blocks && !open_for(team, wanted)) return false;
   if (!list(team)) return false;
   Effort effort = effort_of(team);
@@ -249,23 +284,13 @@ bool feel(SampleTeam& team, const Fineness* given, SampledForces& forces) {
   }
   forces.patch_count =
       static_cast<std::uint32_t>(team.memory.near.count()) + team.memory.overlaps.patch_count();
-  if (most > 0 && effort.always + effort.level[0] > most) fineness.one_cell = true;
-  if (fineness.one_cell) {
-    feel_in_one_cell(team, effort, force, forces);
-    return true;
-  }
-  forces.coarsened = keep_effort(effort, most, level) || fineness.coarse_blocks;
-  forces.evaluations = evaluations_of(effort, level);
-  if (forces.coarsened)  // a level's blocks are off as much as its lattices
-    forces.error_factor = error_factor_of(fineness.coarse_blocks ? only(0) : level, force);
-  const std::size_t coarsest = coarsest_of(level);
-  if (!(level[coarsest] < 1)) {
-    feel_on_one_level(team, coarsest, forces);
-  } else if (fineness.coarse_blocks || same_blocks(coarsest, coarsest + 1)) {
-    feel_on_two_levels(team, coarsest, forces);
-  } else {
-    return feel_by_level(team, coarsest, effort, most, force, forces);
-  }
+  if (given == nullptr) fineness.one_cell = one_cell_share(effort, most);
+  if (!(fineness.one_cell > 0)) return feel_levels(team, effort, most, force, forces);
+  const SampledForces rough = in_one_cell(team, effort, force);
+  if (fineness.one_cell < 1 &&
+      !feel_levels(team, effort, most > 0 ? most - rough.evaluations : 0, force, forces))
+    return false;
+  mix(rough, fineness.one_cell, forces);
   return true;
 }
 
