@@ -89,12 +89,12 @@ std::string_view winding_name(Winding winding);
 
 /// What was done for a mesh to face outwards. Its parts are what hangs together across edges that exactly two
 /// triangles share (vertices at one position are one, on open edges also those that rounding drove apart, by
-/// less than 5e-6 of the mesh's diagonal; copies of a triangle go with the first, those of a closed part face
-/// outwards like it).
-/// A part is closed when it can be wound one way throughout, encloses a volume, and what its holes leave open
-/// is at most a twentieth of its area. It is wound so that its volume is positive, each of its triangles. But
-/// where it lies inside the solid of another closed part it may be a cavity or a solid in a solid: then it
-/// stays as it is to the part it lies in, and is turned where that is turned as a whole.
+/// less than 5e-6 of the mesh's diagonal; a T-junction without a sliver parts them; copies of a triangle go
+/// with the first, those of a closed part face outwards like it). A part is closed when it can be wound one
+/// way throughout, encloses a volume, and what its holes leave open is at most a twentieth of its area. It is
+/// wound so that its volume is positive, each of its triangles. But where it lies inside the solid of another
+/// closed part it may be a cavity or a solid in a solid: then it stays as it is to the part it lies in, and
+/// is turned where that is turned as a whole.
 struct WindingReport {
   std::size_t parts = 0;             ///< 0 where nobody looked: Winding::as_is and flip
   std::size_t inner_parts = 0;       ///< closed and inside others
