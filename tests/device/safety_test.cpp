@@ -98,6 +98,40 @@ TEST(Safety, ANotReadyDeviceIsNotArmed) {
   EXPECT_EQ(loop.memory.state, SafetyState::idle);
 }
 
+// Its drives have let go: what they were told would come again in one step.
+TEST(Safety, ADeviceThatIsNotReadyAnyMoreIsLetGoOfAndArmedAgainSoftlyOnlyIfTold) {
+  for (const bool continues : {false, true}) {
+    Loop loop;
+    loop.inputs.continue_after_loss = continues;
+    loop.activate();
+    loop.inputs.device_ready = false;
+    loop.expect_fades();
+    EXPECT_EQ(loop.memory.state, SafetyState::idle);
+    EXPECT_EQ(loop.output.flags & kNotReady, kNotReady);
+    EXPECT_FALSE(loop.output.device_on);
+    loop.inputs.device_ready = true;
+    loop.step(3);
+    EXPECT_EQ(loop.memory.state, continues ? SafetyState::active : SafetyState::idle);
+    EXPECT_LT(loop.output.command[0], 0.002) << "and softly";
+  }
+}
+
+TEST(Safety, ADeviceThatIsNotReadyAnyMoreWaitsForNoDeadManSwitch) {
+  Loop loop;
+  loop.activate();
+  loop.inputs.dead_man = false;
+  loop.step(3);
+  ASSERT_EQ(loop.memory.state, SafetyState::armed);
+  loop.inputs.device_ready = false;
+  loop.step();
+  EXPECT_EQ(loop.memory.state, SafetyState::idle);
+  loop.inputs.disarm = true;
+  loop.step();
+  loop.inputs.device_ready = loop.inputs.dead_man = true;
+  loop.step(10);
+  EXPECT_EQ(loop.memory.state, SafetyState::idle) << "a disarm ends an arming that waits";
+}
+
 TEST(Safety, TheDeadManSwitchFadesAndBringsBackSoftly) {
   Loop loop;
   loop.activate();
@@ -354,6 +388,7 @@ void check_transition(SafetyState from, std::uint32_t causes_before, const Safet
   if (to == SafetyState::active) {
     ASSERT_TRUE(from == SafetyState::armed || from == SafetyState::active);
     ASSERT_TRUE(inputs.dead_man && inputs.connected && !inputs.stop && !inputs.device_fault);
+    ASSERT_TRUE(inputs.device_ready);
   }
   if (to == SafetyState::armed && from != SafetyState::armed) {
     ASSERT_TRUE(from == SafetyState::idle || from == SafetyState::active);
@@ -441,9 +476,12 @@ TEST(Safety, EveryCombinationOfStateAndSwitchesLeadsWhereItShould) {
         ASSERT_EQ(memory.state, SafetyState::disconnected);
       } else if (inputs.disarm) {
         ASSERT_EQ(memory.state, SafetyState::idle);
+      } else if (was_on && !inputs.device_ready) {
+        ASSERT_EQ(memory.state, SafetyState::idle);
+        ASSERT_EQ(memory.arm_again, inputs.continue_after_loss);
       }
       if (memory.state == SafetyState::active) {
-        ASSERT_TRUE(was_on && inputs.dead_man && inputs.connected);
+        ASSERT_TRUE(was_on && inputs.dead_man && inputs.connected && inputs.device_ready);
       }
       if (memory.state == SafetyState::armed && from == SafetyState::idle) {
         ASSERT_TRUE(inputs.device_ready && (inputs.arm || bit(11)));

@@ -327,6 +327,27 @@ TEST_F(DeviceLoopTest, WhatActedBeforeALongSilenceIsGoneAfterIt) {
   EXPECT_TRUE(steps_until([&] { return told() > 0.02; })) << "and comes back";
 }
 
+// A drive that lets go for a moment, and answers all the while.
+TEST_F(DeviceLoopTest, WhatActedBeforeADeviceWasNotReadyIsGoneWhenItIsAgainAndTookNoEnergy) {
+  open(false, false);
+  ASSERT_TRUE(steps_until([&] { return told() > 0.02; }));
+  device.ready = false;
+  ASSERT_TRUE(steps_until([&] { return told() == 0; }));
+  step();
+  EXPECT_EQ(told(), 0);
+  EXPECT_FALSE(device.on);
+  EXPECT_EQ(loop.control.feedback.acted, ActuatorArray{});
+  EXPECT_EQ(loop.control.feedback.held_since, loop.control.feedback.time);
+  EXPECT_EQ(loop.sink.report().lapses, 1u);
+  EXPECT_EQ(loop.sink.report().losses, 0u);
+  bool is_told = false;
+  for (const SinkEvent& event : loop.sink.events())
+    is_told = is_told || event.text == "active -> idle: the device is not ready";
+  EXPECT_TRUE(is_told);
+  device.ready = true;
+  EXPECT_TRUE(steps_until([&] { return told() > 0; })) << "and comes back";
+}
+
 // Its watchdog counts from the last command, not from when the answer to that has come.
 TEST_F(DeviceLoopTest, WhatActedBeforeALateAnswerAndALostOneIsGoneAfterThem) {
   profile.safety.answer_timeout = 0.1;

@@ -114,6 +114,9 @@ std::vector<std::string> DeviceSession::trouble() const {
     lines.push_back(counted(report.faults, "fault of the device loop", "faults of the device loop"));
   if (report.losses > 0)
     lines.push_back(counted(report.losses, "loss of the device", "losses of the device"));
+  if (report.lapses > 0)
+    lines.push_back("the device was not ready any more " + counted(report.lapses, "time", "times") +
+                    ": forces began anew, softly");
   if (figures.doubted_steps > 0) {
     lines.push_back("angles of the device were not believed in " +
                     counted(figures.doubted_steps, "tick", "ticks") + ":" + doubts_text(figures.doubts));

@@ -29,6 +29,7 @@ struct SinkReport {
   std::uint64_t broken = 0;       ///< not answered, or not by a reply one could trust
   std::uint64_t connections = 0;  ///< opened so far
   std::uint64_t losses = 0;       ///< of a device that was armed
+  std::uint64_t lapses = 0;       ///< times one that was armed was not ready any more
   std::uint64_t faults = 0;       ///< latched so far
   std::string trouble;            ///< what last kept forces from the device, in words; empty: nothing yet
 };
@@ -38,9 +39,10 @@ struct SinkOptions {
   /// fade when the ticks stop. Without it each cycle() exchanges, and when no one calls it any more only the
   /// device's own watchdog lets go.
   bool thread = false;
-  bool arm = true;                  ///< arm by itself when the device is first ready (arm_when_ready)
-  bool continue_after_loss = true;  ///< and again after a lost link; otherwise stay idle until request_arm
-  bool dry_run = false;             ///< everything but forces: only safe values are written
+  bool arm = true;  ///< arm by itself when the device is first ready (arm_when_ready)
+  /// And again after a lost link, or when it is ready again; otherwise stay idle until request_arm.
+  bool continue_after_loss = true;
+  bool dry_run = false;  ///< everything but forces: only safe values are written
   /// Begins at what the device was told last, as far as that can be read, and without its handshake: to fade
   /// what another left.
   bool take_over = false;

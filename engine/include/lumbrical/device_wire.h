@@ -23,9 +23,9 @@ struct WireCommand {
 
 /// What a device says of itself.
 struct DeviceStatus {
-  bool ready = true, fault = false, stop = false;
-  bool has_dead_man = false, dead_man = true;  ///< a switch of its own, and whether it is held
-  bool echoes = false;                         ///< it repeats in `echo` a number that every cycle changes
+  bool ready = true, fault = false, stop = false;  ///< ready: takes forces; without it they are let go of
+  bool has_dead_man = false, dead_man = true;      ///< a switch of its own, and whether it is held
+  bool echoes = false;                             ///< it repeats in `echo` a number that every cycle changes
   std::uint16_t echo = 0;
 };
 

@@ -38,6 +38,7 @@ enum SafetyFlag : std::uint32_t {
   kSoftStart = 1u << 10,       ///< the output is still growing after arming
   kOtherMaster = 1u << 11,     ///< the device's commands are not those written: someone else drives it, or it
                                ///< has forgotten them. Find out who
+  kNotReady = 1u << 12,        ///< the device does not say that it is ready: it takes no forces, or no longer
 };
 /// "stop pressed", ...; those that are set, separated by ", "
 std::string safety_flag_names(std::uint32_t flags);
@@ -48,14 +49,15 @@ inline constexpr std::uint32_t kLatchedFaults =
 struct SafetyInputs {
   double dt = 0.001;         ///< [s] since the last step; anything but 0 .. 1 counts as 0 or 1
   bool connected = false;    ///< handshake done, and the last command was acknowledged in time
-  bool device_ready = true;  ///< its status bits allow arming
+  bool device_ready = true;  ///< its status bits allow forces; without it there are none
   bool device_fault = false;
   bool stop = false;     ///< an emergency stop is pressed
   bool dead_man = true;  ///< held, or there is none
   bool heartbeat_lost = false;
   bool other_master = false;  ///< commands read back are not those written
   bool arm = false, disarm = false, reset = false;
-  bool continue_after_loss = false;  ///< arm by itself when the link is back, if it was armed when it broke
+  bool continue_after_loss = false;  ///< arm by itself when the link is back, or the device ready again, if
+                                     ///< it was armed when that ended
   double tick_age = 0;               ///< [s] since the last new command from the tick thread
   double gap = 0;                    ///< [s] in which nothing could be sent since the last step, beyond dt
   ActuatorArray wanted{};            ///< commands the ticks want
@@ -65,7 +67,7 @@ struct SafetyInputs {
 struct SafetyMemory {
   SafetyState state = SafetyState::disconnected;
   std::uint32_t causes = 0;  ///< latched faults that no one has reset yet
-  bool arm_again = false;    ///< was armed when the link broke
+  bool arm_again = false;    ///< was armed when the link broke, or the device let go
   double gain = 0;           ///< share of the wanted command, 0 .. 1 (soft start)
   double owed = 0;           ///< by how much the gain has still to fall for a gap
   double settling = 0;       ///< [s] until it may grow again
@@ -98,6 +100,9 @@ SafetyMemory start_safety(const DeviceProfile& profile);
 /// - what faded while ticks were late, or would have faded in a gap longer than SafetyTimes::tick_hold, comes
 ///   back by soft start only, kSettling after it is gone, and where the one before was not yet back at half
 ///   its pace (kSlowest at most); what a gap would have taken goes at the pace at which it comes back;
+/// - a device that is not ready is neither armed nor active: it has let go, and what acted would come again
+/// in
+///   one step;
 /// - a latched fault is left only by `reset` with its cause gone, and then only to idle.
 SafetyOutput step_safety(const DeviceProfile& profile, const SafetyInputs& inputs, SafetyMemory& memory);
 

@@ -38,7 +38,7 @@ typedef struct lumbrical_shared_command {
 typedef struct lumbrical_shared_feedback {
   uint64_t session;    // the command's
   uint64_t cycle;      // of the newest command taken, which is acknowledged thereby
-  uint64_t not_ready;  // 1: may not be switched on
+  uint64_t not_ready;  // 1: takes no forces; those that acted end, and begin anew
   uint64_t fault;
   uint64_t stop;                          // 1: an emergency stop is pressed
   uint64_t dead_man;                      // 0: there is no such switch, 1: released, 2: held

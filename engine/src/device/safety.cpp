@@ -50,6 +50,11 @@ SafetyState next_state(const DeviceProfile& profile, const SafetyInputs& inputs,
     memory.arm_again = false;
     return SafetyState::idle;
   }
+  const bool on = memory.state == SafetyState::armed || memory.state == SafetyState::active;
+  if (on && !inputs.device_ready) {
+    memory.arm_again = inputs.continue_after_loss;
+    return SafetyState::idle;
+  }
   switch (memory.state) {
     case SafetyState::disconnected:
     case SafetyState::fault:
@@ -109,7 +114,8 @@ std::string safety_flag_names(std::uint32_t flags) {
   constexpr const char* kNames[] = {
       "stop pressed",    "device fault", "tick stopped", "command not finite",
       "heartbeat lost",  "answer lost",  "tick late",    "dead-man switch released",
-      "command clamped", "slew limited", "soft start",   "another master"};
+      "command clamped", "slew limited", "soft start",   "another master",
+      "not ready"};
   std::string names;
   for (std::size_t bit = 0; bit < 32; ++bit) {
     if (!has_bit(flags, bit)) continue;
@@ -139,6 +145,7 @@ SafetyOutput step_safety(const DeviceProfile& profile, const SafetyInputs& input
   SafetyOutput output;
   output.flags = memory.causes;
   if (!inputs.connected) output.flags |= kAnswerLost;
+  if (inputs.connected && !inputs.device_ready) output.flags |= kNotReady;
   const bool active = memory.state == SafetyState::active;
   const bool late = active && !ticks_fresh(profile, inputs);
   if (late) output.flags |= kTickLate;

@@ -180,6 +180,7 @@ void DeviceSink::Worker::tell_transition(SafetyState before, std::uint32_t flags
       {kHeartbeatLost, "heartbeat not echoed"},
       {kOtherMaster, "another master writes to the device, or it has lost what was written"},
       {kAnswerLost, "no answer"},
+      {kNotReady, "the device is not ready"},
       {kDeadManReleased, "dead-man switch released"}};
   std::string causes;
   for (const auto& [flag, name] : kCauses) {
@@ -194,6 +195,7 @@ void DeviceSink::Worker::tell_transition(SafetyState before, std::uint32_t flags
     report.trouble = "fault" + causes;
   }
   if (safety.state == SafetyState::disconnected && was_on) ++report.losses;
+  if (safety.state == SafetyState::idle && was_on && (flags & kNotReady) != 0) ++report.lapses;
 }
 
 // Are the device's commands still those that were sent in the cycle before?
@@ -250,11 +252,13 @@ void DeviceSink::Worker::take_angles(DeviceFeedback& feedback) const {
 }
 
 void DeviceSink::Worker::take_feedback(std::int64_t sent, std::int64_t now) {
-  const bool had_let_go = !has_answered || silent(sent);
+  const bool was_silent = !has_answered || silent(sent);
   const std::uint16_t echo = answer.status.echo;
-  if (had_let_go || echo != last_echo) last_echo_change = now;
+  if (was_silent || echo != last_echo) last_echo_change = now;
   last_echo = echo;
-  if (had_let_go) {
+  // One that is not ready, or was not when it answered last, makes no torque of what it is told.
+  const bool was_ready = std::exchange(last_ready, answer.status.ready);
+  if (was_silent || !was_ready || !last_ready) {
     held_since = now;
     acting = start_safety(profile).output;
   }

@@ -80,6 +80,7 @@ struct DeviceSink::Worker {
   std::string not_noticed;   // why another master would not be, as told of this connection
   std::uint32_t doubts = 0;  // DeviceFlag bits of the newest feedback
   std::uint16_t last_echo = 0;
+  bool last_ready = false;              // as the newest answer said
   ActuatorArray commanded{}, acting{};  // by this cycle's request, and by the last one acknowledged
   std::uint64_t cycle_count = 0;
   std::array<std::int64_t, 2> rate_start{};
