@@ -514,7 +514,7 @@ class SteadyLink final : public DeviceLink {
   }
   [[nodiscard]] std::int64_t now() const noexcept override { return now_; }
   bool feedback(DeviceFeedback& feedback) noexcept override {
-    if (std::exchange(told_at_, now_) == now_) return false;
+    if (std::exchange(told_at_, now_) == now_ || silent) return false;
     feedback = answer_;
     feedback.asked = feedback.time = now_;
     feedback.valid = doubted ? sensors_ & ~(1u << 5) : sensors_;
@@ -533,7 +533,7 @@ class SteadyLink final : public DeviceLink {
     for (const double value : command.wanted) torque += std::fabs(value);
     now_ += 1000000;
   }
-  bool doubted = false;
+  bool doubted = false, silent = false;
   double torque = 0;  // [N m] all of them
 
  private:
@@ -568,6 +568,45 @@ TEST_F(DeviceLoopTest, ForcesComeBackSoftlyAfterAnAngleThatCannotBeAlsoWithoutLi
   EXPECT_NEAR(link.torque, whole, 1e-6 * whole);
   EXPECT_LE(largest_rise, 1.01 * whole * 0.001 / profile.safety.soft_start);
   EXPECT_EQ(control.gaps, 0u) << "none of these angles was late";
+}
+
+// What is let go of by a time constant is never quite gone.
+TEST_F(DeviceLoopTest, ForcesComeBackAfterAnglesWereStaleAlsoWhileTheTouchGoesOn) {
+  profile.safety.tick_hold = 0.02;
+  LoopOptions options;
+  options.limiter = options.account = false;
+  HapticLoop control = start_loop(profile, options);
+  SteadyLink link(profile);
+  const auto steps = [&](int count) {
+    for (; count > 0; --count) step_through(link, control);
+  };
+  steps(1000);
+  const double whole = link.torque;
+  ASSERT_GT(whole, 0);
+  link.silent = true;
+  steps(1500);
+  EXPECT_LT(link.torque, 0.01 * whole);
+  EXPECT_EQ(control.gaps, 1u);
+  link.silent = false;
+  steps(1000);
+  EXPECT_NEAR(link.torque, whole, 1e-6 * whole);
+}
+
+TEST_F(DeviceLoopTest, WhatTicksWantBeforeArmingCountsAsGivenToNoOne) {
+  device.ready = false;
+  open();
+  ASSERT_TRUE(exchanges(10));
+  step();
+  ASSERT_GT(felt.output.flexion_torque[3], 0) << "it touches";
+  EXPECT_EQ(loop.control.given.torque[1], 0);
+  EXPECT_EQ(loop.control.given.level[1], 0);
+  EXPECT_EQ(loop.control.largest_told, JointArray{});
+  device.ready = true;
+  ASSERT_TRUE(steps_until([&] { return told() > 0; }));
+  step();
+  step();
+  EXPECT_GT(loop.control.given.torque[1], 0);
+  EXPECT_GT(loop.control.largest_told[3], 0);
 }
 
 // While ticks stand still the sink holds the command, then fades it, and a finger opens all the while: what

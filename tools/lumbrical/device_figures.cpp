@@ -82,6 +82,16 @@ std::string by_finger(const std::array<double, kFingerCount>& values) {
   return text;
 }
 
+std::string told_text(const HapticLoop& loop) {
+  std::string text;
+  for (std::size_t j = 0; j < kPhalanxCount; ++j) {
+    const std::string finger(finger_name(static_cast<int>(j / 3)));
+    text += j % 3 > 0 ? " " : (j > 0 ? ", " : "") + finger + " ";
+    text += brief(1e3 * loop.largest_told[j]);
+  }
+  return text + " N mm, joint by joint";
+}
+
 std::string doubts_text(std::uint32_t flags) {
   std::string text;
   for (const auto& [flag, name] : {std::pair(kAngleOutOfRange, "out of range"),
@@ -171,6 +181,7 @@ Json DeviceSession::json() const {
   json["safe_at_end"] = figures.safe_at_end;
   json["loop_delay_us"] = delays_json(told.loop_delays);
   json["largest_lost_torque"] = control.largest_lost;
+  json["largest_told_torque"] = control.largest_told;
   json["limiter_knows_law"] = limiter_knows(told.model->settings);
   json["least_stiffness_factor"] = control.least_factor;
   json["energy"] = {{"generated_most", most_generated(control)}, {"least_share", control.least_share}};
@@ -222,6 +233,7 @@ void DeviceSession::add_rows(Table& table) const {
     table.add("",
               "the limiter knows the stiffness of the field law only: what follows another law may shake");
   }
+  table.add("told the device", "at most " + told_text(control));
   table.add("least stiffness factor", by_finger(control.least_factor));
   if (keeps_accounts(control)) {
     table.add("energy accounts",
@@ -231,7 +243,9 @@ void DeviceSession::add_rows(Table& table) const {
     table.add("energy accounts", "not kept");
   }
   if (control.gaps > 0)
-    table.add("stale angles", grouped(control.gaps) + " times in a touch: forces came back softly");
+    table.add("stale angles",
+              counted(control.gaps, "time", "times") + " in a touch: " +
+                  (control.gain == 1 ? "forces came back softly" : "forces were not all back at the end"));
   if (control.largest_lost > 0) table.add("lost torque", brief(1e3 * control.largest_lost) + " N mm at most");
 }
 

@@ -67,7 +67,8 @@ struct HapticLoop {
   bool base_known = false;  ///< the tick before knew it
   double gain = 1;          ///< of the soft start after a gap
   double settling = 0;      ///< [s] until it may grow again
-  bool letting_go = false;  ///< some finger still gets more than gain and limiter say, so as not to fall
+  bool letting_go =
+      false;  ///< some finger still gets clearly more than gain and limiter say, so as not to fall
   /// Share of its touch that each finger gets: gain, limiter and account, but no less than lets go of what
   /// the last command gave without a kick.
   std::array<double, kFingerCount> level{};
@@ -82,6 +83,7 @@ struct HapticLoop {
   std::array<double, kFingerCount> least_share = {1, 1, 1, 1, 1};   ///< that accounts left
   LoopTiming slowest{0, 0, 0};  ///< that was measured since forces are let through
   double largest_lost = 0;      ///< [N m] torque the actuators could not make
+  JointArray largest_told{};    ///< [N m] about each joint, by what was sent, either way
   std::uint64_t gaps = 0;       ///< times the angles became stale while torques were wanted
 };
 

@@ -19,7 +19,9 @@ constexpr double kLocalPeriod = 0.001;                   // [s] of the device's 
 // A finger's torque falls no faster than with these time constants, for bus and touch and for its account,
 // and by no more than that share from one command to the next: what the hand falls into is no kick then.
 constexpr double kLetGo = 0.2, kAccountLetGo = 0.015, kMostLetGo = 0.3;  // [s], [s], [1]
-constexpr double kWorthTelling = 0.1;                                    // change of a bound, as a share
+// What is left of a touch that counts as let go of: by its time constant alone it never would be.
+constexpr double kGone = 0.01;
+constexpr double kWorthTelling = 0.1;  // change of a bound, as a share
 
 double total(const LoopTiming& timing) { return timing.period + timing.jitter + timing.delay; }
 
@@ -164,6 +166,24 @@ void keep_levels(const ActuatorFrame& output, HapticLoop& loop) {
   for (std::size_t f = 0; f < kFingerCount; ++f) given.torque[f] = loop.level[f] * touch_of(output, f);
 }
 
+// What a tick wanted is not what was given while nothing but safe values were sent, before arming say.
+bool gives_nothing(const SentCommand& sent, const DeviceProfile& profile) {
+  const std::size_t count = std::min<std::size_t>(sent.actuator_count, profile.actuators.size());
+  for (std::size_t i = 0; i < count; ++i)
+    if (sent.value[i] != profile.actuators[i].safe) return false;
+  return count > 0;
+}
+
+void note_told_torque(const SentCommand& sent, HapticLoop& loop) {
+  const std::size_t count = std::min<std::size_t>(sent.actuator_count, loop.profile.actuators.size());
+  JointArray torque{};
+  for (std::size_t i = 0; i < count; ++i)
+    for (std::size_t j = 0; j < kPhalanxCount; ++j)
+      torque[j] += acted_on(loop.profile.actuators[i], sent.value[i], j, 1, 0);
+  for (std::size_t j = 0; j < kPhalanxCount; ++j)
+    loop.largest_told[j] = max(loop.largest_told[j], std::fabs(torque[j]));
+}
+
 void renew_certificate(HapticLoop& loop) {
   LoopTiming timing = timing_of(loop.meter);
   if (loop.local_loop) timing = {kLocalPeriod, 0, 0};
@@ -237,7 +257,7 @@ void keep_least_levels(const ActuatorFrame& output, std::int64_t now, HapticLoop
   loop.letting_go = false;
   for (std::size_t f = 0; f < kFingerCount; ++f) {
     loop.level[f] = max(loop.level[f], least[f]);
-    const bool above = loop.level[f] > loop.gain * loop.limiter.factor[f];
+    const bool above = loop.level[f] > loop.gain * loop.limiter.factor[f] + kGone;
     loop.letting_go = loop.letting_go || (above && touch_of(output, f) > 0);
   }
 }
@@ -329,10 +349,12 @@ bool put_angles(const HapticLoop& loop, std::int64_t now, DeviceFrame& frame) {
 }
 
 void note_exchange(const SentCommand& sent, HapticLoop& loop) {
+  note_told_torque(sent, loop);
   if (sent.acknowledged == 0) return;
   const GivenTouch& given = loop.past[place_of(sent.tick, loop)];
   loop.acting = loop.given;
   if (given.tick / loop.sharing == sent.tick / loop.sharing) loop.given = given;
+  if (gives_nothing(sent, loop.profile)) loop.given = {};
   // Commands that were lost in between are time without one, too; a device that was gone is another matter.
   const SentCommand before = std::exchange(loop.answered, sent);
   const double interval = in_seconds(sent.sent - before.sent), delay = in_seconds(sent.loop_delay);
