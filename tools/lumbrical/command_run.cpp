@@ -264,7 +264,6 @@ int run(const RunOptions& options) {
       run_session(hands, ticks,
                   {paced, recording ? &recorder : nullptr, unrecorded, with_device ? &device : nullptr,
                    device_hand, options.view ? &live_view : nullptr, &given});
-  device.close();  // forces end before anything else is done
   const bool told = !statistics.recording_error.ok();
   if (recording) {
     status = recorder.close();

@@ -295,6 +295,8 @@ RunStatistics run_session(const std::vector<SessionHand>& hands, std::uint64_t t
   }
   statistics.page_faults = page_faults() - faults_before;
   statistics.wall_seconds = static_cast<double>(clock_ns() - begin) * 1e-9;
+  // Without its priority this thread may wait for longer than a tick may be late: that would be a fault.
+  if (parts.device != nullptr) parts.device->close();
   leave_real_time(statistics.real_time);
   return statistics;
 }

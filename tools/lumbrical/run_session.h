@@ -84,7 +84,7 @@ struct SessionParts {
 /// or as fast as it goes. StopSignals end the loop after the tick at hand. A recording that fails (disk full)
 /// is told on standard error at once. A paced session with a device that has fallen behind by more than one
 /// period does not catch up by a burst of ticks: the clock of the session stands still for what was missed.
-/// The device is armed last of all, after real time and a warm-up.
+/// The device is armed last of all, after real time and a warm-up, and closed before real time is left.
 RunStatistics run_session(const std::vector<SessionHand>& hands, std::uint64_t ticks,
                           const SessionParts& parts);
 
