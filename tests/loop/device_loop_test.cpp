@@ -268,6 +268,7 @@ TEST_F(DeviceLoopTest, AnArmingAskedForWhileForcesFlowUndoesNoLaterDisarm) {
   loop.sink.arm_when_ready();
   ASSERT_TRUE(exchanges(3));
   loop.sink.request_disarm();
+  ASSERT_TRUE(steps_until([&] { return !device.on; }));
   ASSERT_TRUE(exchanges(50));
   EXPECT_EQ(loop.sink.state(), SafetyState::idle);
   EXPECT_FALSE(device.on);
@@ -503,6 +504,49 @@ TEST_F(DeviceLoopTest, EveryExchangeOfAFastBusIsNotedInItsStepAndTheNewestAreKep
     for (std::uint32_t k = 0; k < kMaxSentPerTick; ++k)
       EXPECT_EQ(next.sent[k].cycle, link.cycle - kMaxSentPerTick + 1 + k);
   }
+}
+
+// The loop that is told of exchanges by hand; all times in milliseconds.
+class Exchanges {
+ public:
+  explicit Exchanges(HapticLoop& loop) : loop_(loop) { certify_loop(loop); }
+  void note(std::int64_t asked, std::int64_t sent, std::int64_t acknowledged) {
+    SentCommand exchange;
+    exchange.cycle = ++cycle_;
+    exchange.sent = 1000000 * sent;
+    exchange.acknowledged = 1000000 * acknowledged;
+    exchange.loop_delay = 1000000 * (acknowledged - asked);
+    note_exchange(exchange, loop_);
+  }
+  double delay() const { return loop_.certificate.timing.delay; }
+
+ private:
+  HapticLoop& loop_;
+  std::uint64_t cycle_ = 0;
+};
+
+TEST_F(DeviceLoopTest, TheTimeThatAProcessSleptIsNoDelayOfTheBus) {
+  profile.safety.answer_timeout = 0.1;
+  HapticLoop control = start_loop(profile, {});
+  Exchanges bus(control);
+  for (int t = 1000; t < 1010; ++t) bus.note(t - 1, t, t + 1);
+  ASSERT_NEAR(bus.delay(), 0.002, 1e-9);
+  bus.note(1009, 3000, 3001);  // slept between two exchanges
+  bus.note(1009, 3001, 3002);  // of a tick that had slept as well
+  bus.note(3001, 3002, 3003);
+  EXPECT_NEAR(bus.delay(), 0.002, 1e-4);
+  bus.note(3002, 3003, 5000);  // slept with the reply in the socket
+  bus.note(3003, 5000, 5001);
+  bus.note(5000, 5001, 5002);
+  EXPECT_NEAR(bus.delay(), 0.002, 1e-4);
+}
+
+TEST_F(DeviceLoopTest, ABusWhoseAnglesAreOlderThanAnExchangeMayTakeIsMeasured) {
+  profile.safety.answer_timeout = 0.1;
+  HapticLoop control = start_loop(profile, {});
+  Exchanges bus(control);
+  for (int t = 1000; t < 2000; t += 60) bus.note(t - 60, t, t + 60);
+  EXPECT_NEAR(bus.delay(), 0.12, 1e-9);
 }
 
 // In a time of its own, of one millisecond per step.

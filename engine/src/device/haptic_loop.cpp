@@ -358,8 +358,15 @@ void note_exchange(const SentCommand& sent, HapticLoop& loop) {
   // Commands that were lost in between are time without one, too; a device that was gone is another matter.
   const SentCommand before = std::exchange(loop.answered, sent);
   const double interval = in_seconds(sent.sent - before.sent), delay = in_seconds(sent.loop_delay);
-  const bool next = before.acknowledged != 0 && interval <= loop.profile.safety.answer_timeout;
-  if (!next || sent.acknowledged - sent.loop_delay < loop.measured_from) return;
+  // A process that slept made its own angles old, those of the next command as well: that is no delay of the
+  // bus. No exchange takes as long, but for a reply that waits for who sleeps.
+  const double longest = loop.profile.safety.answer_timeout;
+  const bool slept = in_seconds(sent.acknowledged - sent.sent) > longest;
+  if (slept || interval > longest)
+    loop.measured_from = std::max(loop.measured_from, slept ? sent.acknowledged : sent.sent);
+  if (before.acknowledged == 0 || interval > longest ||
+      sent.acknowledged - sent.loop_delay < loop.measured_from)
+    return;
   const bool known = is_measured(loop.meter);
   measure_exchange(interval, delay, loop.meter);
   if (loop.certified && !(known && !loop.options.follow)) renew_certificate(loop);
