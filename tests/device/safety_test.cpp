@@ -281,6 +281,66 @@ TEST(Safety, LetsGoForLateTicksNoFasterThanTheFadeAsksAndForAFaultAsFastAsItMay)
   }
 }
 
+// A force that is gone in 3 ms is a kick, and no one is in danger.
+TEST(Safety, ADisarmAndTheDeadManSwitchLetGoEvenlyWithinTheFade) {
+  for (const bool disarm : {false, true}) {
+    Loop loop;
+    loop.activate();
+    loop.inputs.dt = 0.0005;
+    const double before = loop.output.command[0];
+    loop.inputs.disarm = disarm;
+    loop.inputs.dead_man = disarm;
+    loop.step(static_cast<int>(0.4 * loop.profile.safety.fade / loop.inputs.dt));
+    EXPECT_NEAR(loop.output.command[0], 0.6 * before, 1e-9);
+    EXPECT_TRUE(loop.output.device_on);
+    if (!disarm) loop.inputs.disarm = true;  // goes on where it is
+    loop.step(static_cast<int>(0.4 * loop.profile.safety.fade / loop.inputs.dt));
+    EXPECT_NEAR(loop.output.command[0], 0.2 * before, 1e-9);
+    loop.step(static_cast<int>(0.2 * loop.profile.safety.fade / loop.inputs.dt) + 1);
+    EXPECT_TRUE(loop.output.at_safe_values);
+    EXPECT_FALSE(loop.output.device_on);
+  }
+}
+
+TEST(Safety, ASwitchThatIsHeldAgainWhileForcesAreLetGoOfTakesNoneAwayFaster) {
+  Loop loop;
+  loop.activate();
+  const double pace = 0.1 * loop.inputs.dt / loop.profile.safety.fade;
+  for (int i = 0; i < 200; ++i) {
+    const double before = loop.output.command[0];
+    loop.inputs.dead_man = i % 20 >= 10;
+    loop.step();
+    EXPECT_LE(before - loop.output.command[0], pace + 1e-12) << i;
+  }
+  loop.inputs.dead_man = true;
+  loop.step(1000);
+  EXPECT_NEAR(loop.output.command[0], 0.1, 1e-12);
+}
+
+TEST(Safety, AStopWhileForcesAreLetGoOfTakesThemAsFastAsItMay) {
+  Loop loop;
+  loop.activate();
+  loop.inputs.dead_man = false;
+  loop.step(5);
+  const double before = loop.output.command[0];
+  loop.inputs.stop = true;
+  loop.step();
+  EXPECT_NEAR(before - loop.output.command[0], loop.profile.actuators[0].slew * loop.inputs.dt, 1e-12);
+}
+
+TEST(Safety, WhatAnotherLeftIsLetGoOfEvenly) {
+  Loop loop;
+  loop.memory.output.fill(0.1);
+  begin_letting_go(loop.memory);
+  for (int i = 1; i <= 25; ++i) {
+    loop.inputs.connected = i > 2;
+    loop.step();
+    EXPECT_NEAR(loop.output.command[0], 0.1 * (1 - i * loop.inputs.dt / loop.profile.safety.fade), 1e-9);
+  }
+  loop.step(26);
+  EXPECT_TRUE(loop.output.at_safe_values);
+}
+
 TEST(Safety, AfterALostLinkItContinuesOnlyIfTold) {
   for (const bool continues : {false, true}) {
     Loop loop;

@@ -76,7 +76,6 @@ TEST_F(ModbusLoop, ACommandThatIsNoNumberIsAFault) {
 
 TEST_F(ModbusLoop, TakingOverFadesFromWhatTheDeviceWasToldLast) {
   profile.safety.fade = 1;
-  profile.actuators[3].slew = 5;  // [N m/s] a period's part of the 0.1 N m that act
   device.listen();
   profile.transport.port = device.port();
   const int other = test::connect_to(device.port());
@@ -96,7 +95,7 @@ TEST_F(ModbusLoop, TakingOverFadesFromWhatTheDeviceWasToldLast) {
   EXPECT_TRUE(rests());
   SentCommand first;
   ASSERT_TRUE(guard.sent(first));
-  EXPECT_NEAR(first.value[3], 0.1 - profile.actuators[3].slew / profile.rate, 1e-9)
+  EXPECT_NEAR(first.value[3], 0.1 * (1 - 1 / (profile.safety.fade * profile.rate)), 1e-9)
       << "one period's part, however late the first command";
 }
 

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <string>
 #include <string_view>
 
@@ -72,7 +73,10 @@ struct SafetyMemory {
   double owed = 0;           ///< by how much the gain has still to fall for a gap
   double settling = 0;       ///< [s] until it may grow again
   double slower = 1;         ///< times the profile's soft start that it takes to grow: see kSlowest
-  ActuatorArray output{};    ///< last commands
+  double off = 0;            ///< [s] since it was active with fresh ticks last
+  /// [s] since forces began to be let go of gently, of SafetyTimes::fade; infinite: they are not.
+  double letting_go = std::numeric_limits<double>::infinity();
+  ActuatorArray output{};  ///< last commands
 };
 
 struct SafetyOutput {
@@ -89,6 +93,9 @@ inline constexpr double kSettling = 0.1;
 inline constexpr double kSlowest = 8;
 
 SafetyMemory start_safety(const DeviceProfile& profile);
+/// From here on what `memory` has as its output is let go of gently, though nothing was active: to fade what
+/// another left.
+void begin_letting_go(SafetyMemory& memory);
 
 /// One step. Whatever the inputs:
 /// - every command is finite and within its actuator's lower .. upper;
@@ -96,7 +103,8 @@ SafetyMemory start_safety(const DeviceProfile& profile);
 ///   the whole range per SafetyTimes::fade, whichever is faster; while ticks are late, by the latter, since
 ///   most late ticks do come and a force let go for them would be felt as a kick;
 /// - unless the state is active, and while ticks are late, all commands move to their safe values and reach
-///   them within SafetyTimes::fade;
+///   them within SafetyTimes::fade: evenly, from what they were, once the dead-man switch is let go of or the
+///   device disarmed; for all else as fast as they may, since who lets go then is in doubt or in danger;
 /// - what faded while ticks were late, or would have faded in a gap longer than SafetyTimes::tick_hold, comes
 ///   back by soft start only, kSettling after it is gone, and where the one before was not yet back at half
 ///   its pace (kSlowest at most); what a gap would have taken goes at the pace at which it comes back;

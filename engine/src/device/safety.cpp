@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <iterator>
+#include <limits>
 #include <string>
 
 #include "base/set_bits.h"
@@ -10,6 +11,10 @@
 
 namespace lumbrical {
 namespace {
+
+constexpr double kNever = std::numeric_limits<double>::infinity();
+
+bool is_on(SafetyState state) { return state == SafetyState::armed || state == SafetyState::active; }
 
 std::uint32_t causes_now(const DeviceProfile& profile, const SafetyInputs& inputs,
                          const SafetyMemory& memory) {
@@ -19,8 +24,7 @@ std::uint32_t causes_now(const DeviceProfile& profile, const SafetyInputs& input
   if (inputs.connected && inputs.device_fault) causes |= kDeviceFault;
   if (inputs.connected && inputs.heartbeat_lost) causes |= kHeartbeatLost;
   if (inputs.connected && inputs.other_master) causes |= kOtherMaster;
-  const bool on = memory.state == SafetyState::armed || memory.state == SafetyState::active;
-  if (on && !(inputs.tick_age <= profile.safety.tick_timeout)) causes |= kTickStopped;
+  if (is_on(memory.state) && !(inputs.tick_age <= profile.safety.tick_timeout)) causes |= kTickStopped;
   for (std::size_t i = 0; i < profile.actuators.size(); ++i) {
     if (!is_finite(inputs.wanted[i])) causes |= kCommandNotFinite;
   }
@@ -42,16 +46,14 @@ SafetyState next_state(const DeviceProfile& profile, const SafetyInputs& inputs,
   }
   if (!inputs.connected) {
     memory.arm_again =
-        inputs.continue_after_loss && !inputs.disarm &&
-        (memory.arm_again || memory.state == SafetyState::armed || memory.state == SafetyState::active);
+        inputs.continue_after_loss && !inputs.disarm && (memory.arm_again || is_on(memory.state));
     return SafetyState::disconnected;
   }
   if (inputs.disarm) {
     memory.arm_again = false;
     return SafetyState::idle;
   }
-  const bool on = memory.state == SafetyState::armed || memory.state == SafetyState::active;
-  if (on && !inputs.device_ready) {
+  if (is_on(memory.state) && !inputs.device_ready) {
     memory.arm_again = inputs.continue_after_loss;
     return SafetyState::idle;
   }
@@ -108,6 +110,26 @@ void step_gain(const SafetyTimes& times, bool late, double gap, double dt, Safet
   memory.gain = clamp(memory.gain - fall + (memory.settling > 0 ? 0 : soft), 0, 1);
 }
 
+// Whoever lets go of the switch, disarms or closes is in no danger, and a force that is gone in 3 ms is a
+// kick. A link that was lost has others at its end than before, perhaps, and drives that are not ready have
+// let go.
+void note_letting_go(SafetyState before, const SafetyInputs& inputs, SafetyMemory& memory) {
+  const bool was_on = is_on(before), disarmed = memory.state == SafetyState::idle && inputs.disarm;
+  const bool released = memory.state == SafetyState::armed || (disarmed && inputs.device_ready);
+  if (before == SafetyState::active && released) {
+    memory.letting_go = memory.off;  // for late ticks forces have begun to fade before
+  } else if (memory.state == SafetyState::fault || (was_on && !is_on(memory.state) && !released)) {
+    memory.letting_go = kNever;
+  }
+}
+
+// `target`, but on the way to the safe value, and across it, no further than letting go evenly asks for.
+double let_go_gently(double safe, double now, double target, double share) {
+  const double from = now - safe, to = target - safe;
+  const bool farther = from * to >= 0 && std::fabs(to) >= share * std::fabs(from);
+  return farther ? target : safe + share * from;
+}
+
 }  // namespace
 
 std::string safety_flag_names(std::uint32_t flags) {
@@ -136,11 +158,15 @@ SafetyMemory start_safety(const DeviceProfile& profile) {
   return memory;
 }
 
+void begin_letting_go(SafetyMemory& memory) { memory.letting_go = memory.off = 0; }
+
 SafetyOutput step_safety(const DeviceProfile& profile, const SafetyInputs& inputs, SafetyMemory& memory) {
   const double dt = is_finite(inputs.dt) ? clamp(inputs.dt, 0, 1) : 0;
   const std::uint32_t causes = causes_now(profile, inputs, memory);
   memory.causes |= causes & kLatchedFaults;
+  const SafetyState before = memory.state;
   memory.state = next_state(profile, inputs, causes, memory);
+  note_letting_go(before, inputs, memory);
 
   SafetyOutput output;
   output.flags = memory.causes;
@@ -160,6 +186,9 @@ SafetyOutput step_safety(const DeviceProfile& profile, const SafetyInputs& input
   const bool fading = late || memory.owed > 0;
   if (active && memory.gain < 1) output.flags |= kSoftStart;
 
+  const double left = profile.safety.fade - memory.letting_go;  // of the fade
+  const double share = left > dt ? 1 - dt / left : 0;
+  const bool gently = memory.letting_go < kNever;
   output.at_safe_values = true;
   for (std::size_t i = 0; i < profile.actuators.size(); ++i) {
     const Actuator& actuator = profile.actuators[i];
@@ -171,14 +200,17 @@ SafetyOutput step_safety(const DeviceProfile& profile, const SafetyInputs& input
       if (within != inputs.wanted[i]) output.flags |= kClamped;
       target = actuator.safe + memory.gain * (within - actuator.safe);
     }
-    const double next = limit_slew(actuator, profile.safety.fade, fading, dt, memory.output[i], target);
+    if (gently && share > 0) target = let_go_gently(actuator.safe, memory.output[i], target, share);
+    double next = limit_slew(actuator, profile.safety.fade, fading, dt, memory.output[i], target);
+    if (gently && !active && share == 0) next = actuator.safe;  // rounding leaves nothing
     if (active && !late && next != target) output.flags |= kSlewLimited;
     memory.output[i] = clamp(next, actuator.lower, actuator.upper);
     output.command[i] = memory.output[i];
     output.at_safe_values = output.at_safe_values && memory.output[i] == actuator.safe;
   }
-  const bool on = memory.state == SafetyState::armed || active;
-  output.device_on = on || !output.at_safe_values;
+  memory.off = active && !late ? 0 : memory.off + dt;
+  memory.letting_go = share > 0 || !active ? memory.letting_go + dt : kNever;
+  output.device_on = is_on(memory.state) || !output.at_safe_values;
   return output;
 }
 

@@ -379,7 +379,10 @@ bool DeviceSink::Worker::cycle() {
   await_tick();
   const std::int64_t begun = steady_ns();
   // Letting go begins here, however long the way to the device took: else the first command would be a step.
-  if (taken_over) last_step = begun - in_ns(1 / profile.rate);
+  if (taken_over) {
+    last_step = begun - in_ns(1 / profile.rate);
+    begin_letting_go(safety);
+  }
   SafetyOutput output = decide(begun);
   if (options.dry_run) {
     for (std::size_t i = 0; i < profile.actuators.size(); ++i) output.command[i] = profile.actuators[i].safe;
