@@ -99,6 +99,7 @@ class SimulatedLink final : public DeviceLink {
     return std::exchange(told_, std::nullopt).has_value();
   }
   bool arm = false;
+  double sensing = 0;
   double largest_step = 0;
   std::uint64_t acting_tick = 0;  // of the command that acts
 
@@ -167,7 +168,10 @@ class SimulatedLink final : public DeviceLink {
     const RegisterBlock& writes = words_.plan.writes[0];
     const RegisterBlock& reads = words_.plan.reads[0];
     device_.write(writes.unit, writes.address, std::span(words_.written.data(), writes.count));
-    device_.read_inputs(reads.unit, reads.address, std::span(words_.read.data(), reads.count));
+    if (seconds(now_ - sensed_at_) >= sensing || sensed_at_ == 0) {
+      device_.read_inputs(reads.unit, reads.address, std::span(words_.read.data(), reads.count));
+      sensed_at_ = now_;
+    }
     delivered_ = true;
     acting_tick = sending_.tick;
   }
@@ -202,7 +206,7 @@ class SimulatedLink final : public DeviceLink {
   SentCommand sending_;
   std::uint64_t cycle_ = 0, random_ = 1;
   std::int64_t now_ = 0, published_ = 0, stall_ = 0, sent_at_ = 0, next_ = 0, arrives_ = 0, answered_ = 0,
-               asked_for_ = 0;
+               asked_for_ = 0, sensed_at_ = 0;
   bool waiting_ = false, delivered_ = false, lost_ = false;
 };
 
@@ -223,6 +227,7 @@ LoopFelt run_delayed(const Model& model, const Motion& motion, const DeviceProfi
   SimulatedDevice device(truth, simulation);
   HapticLoop loop = start_loop(profile, wanted.options);
   SimulatedLink link(profile, wanted.bus, length, device);
+  link.sensing = wanted.sensing;
   Arm arm(model.hand);
   State state;
   Scratch scratch = make_scratch(model);

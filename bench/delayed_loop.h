@@ -33,6 +33,7 @@ struct DelayedLoop {
   HumanJoint human;
   double friction = 1;  ///< of the device, as a share of what its profile says
   LoopOptions options;
+  double sensing = 0;  ///< [s] between two looks of the device at its own sensors
 };
 
 struct LoopFelt {

@@ -178,6 +178,7 @@ TEST(DeviceProfile, TellsEveryMistakeWithLineAndColumn) {
       {profile_text(at + R"("upper": 1, "preload": 0.1, )" + joints), ":3:", "is for wires only"},
       {profile_text(at + R"("upper": 1, "drive": "spring", )" + joints), ":3:", "must be one of"},
       {profile_text(at + R"("upper": 1, "slew": 0, )" + joints), ":3:", "must lie in"},
+      {profile_text(at + R"("upper": 1, "delay": 2, )" + joints), ":3:", "must lie in 0 .. 1"},
       {profile_text(R"("at": {"address": 70000}, "upper": 1, )" + joints), ":3:", "must lie in 0 .. 65535"},
       {profile_text(R"("at": {"address": 65535, "type": "f32"}, "upper": 1, )" + joints),
        ":3:", "leaves no room"},
@@ -279,6 +280,8 @@ TEST(DeviceProfile, MadeInAProgramIsHeldToTheRangesOfAFile) {
       {error([](DeviceProfile& p) { p.sensors[3].angle = kAngleCount; }), "sensors[3].joint is no angle"},
       {error([](DeviceProfile& p) { p.sensors[3].angle = p.sensors[1].angle; }), "measured twice"},
       {error([](DeviceProfile& p) { p.sensors[3].upper = 1e9; }), "sensors[3].upper must be -7 to 7 rad"},
+      {error([](DeviceProfile& p) { p.sensors[3].delay = -1; }), "sensors[3].delay must be 0 to 1 s"},
+      {error([&](DeviceProfile& p) { p.actuators[2].delay = nan; }), "actuators[2].delay must be 0 to 1 s"},
       {error([](DeviceProfile& p) { p.read_function = 5; }), "feedback must be"},
       {error([](DeviceProfile& p) {
          p.transport.kind = TransportKind::memory;

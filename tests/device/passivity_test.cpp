@@ -115,6 +115,40 @@ TEST(JointStiffness, FingerByFingerGivesTheSameBitsAsAllAtOnce) {
   EXPECT_FALSE(turns[kPalmSegment].known) << "no one asked";
 }
 
+TEST(StiffnessCertificate, CountsOnTheDelaysOfSensorsAndDrivesJointByJoint) {
+  DeviceProfile profile = test::shipped_profile("exoskeleton");
+  const LoopTiming bus{0.001, 0, 0.001};
+  const StiffnessCertificate unsaid = make_certificate(profile, bus);
+  EXPECT_FALSE(knows_own_delays(profile));
+  for (Sensor& sensor : profile.sensors) sensor.delay = sensed_joint(sensor) == 3 ? 0.02 : 0;
+  for (Actuator& actuator : profile.actuators) actuator.delay = actuator.arm[4] != 0 ? 0.005 : 0;
+  EXPECT_TRUE(knows_own_delays(profile));
+  const StiffnessCertificate said = make_certificate(profile, bus);
+  EXPECT_EQ(said.timing.delay, bus.delay) << "the bus's";
+  const auto delayed = [&](double delay) {
+    return stiffness_bound({0.001, 0, delay}, profile.dynamics[3]).delayed;
+  };
+  EXPECT_EQ(said.joint[3].delayed, delayed(0.021));
+  EXPECT_EQ(said.joint[4].delayed, delayed(0.006));
+  EXPECT_EQ(said.joint[5].delayed, unsaid.joint[5].delayed);
+}
+
+// An angle that is told anew every 20 ms has moved for 20 ms, and not in the one millisecond since the last
+// answer, in which damping would have taken twenty times as much.
+TEST(EnergyAccount, DampingIsCountedOnForAllOfTheTimeThatAWayTook) {
+  const DeviceProfile profile = test::shipped_profile("exoskeleton");
+  const StiffnessCertificate certificate = make_certificate(profile, {0.001, 0, 0.001});
+  const auto taken = [&](double before) {
+    EnergyAccount account;
+    EnergyStep step{0.001, {0.02}, {}, 0, true};
+    step.held[0] = before;
+    keep_account(certificate, profile, 0, step, account);
+    return account.energy;
+  };
+  EXPECT_GT(taken(0), 0);
+  EXPECT_NEAR(taken(0.019), taken(0) / 20, 1e-12);
+}
+
 TEST(StiffnessLimiter, HoldsWhatIsTooStiffAndLetsTheRestBe) {
   const DeviceProfile profile = test::shipped_profile("exoskeleton");
   const StiffnessCertificate certificate = make_certificate(profile, {0.001, 0, 0.001});

@@ -561,6 +561,7 @@ class SteadyLink final : public DeviceLink {
     if (std::exchange(told_at_, now_) == now_ || silent) return false;
     feedback = answer_;
     feedback.asked = feedback.time = now_;
+    feedback.angle[5] += off;
     feedback.valid = doubted ? sensors_ & ~(1u << 5) : sensors_;
     feedback.flags = doubted ? static_cast<std::uint32_t>(kAngleOutOfRange) : 0;
     return true;
@@ -578,6 +579,7 @@ class SteadyLink final : public DeviceLink {
     now_ += 1000000;
   }
   bool doubted = false, silent = false;
+  float off = 0;      // [rad] of the index's first joint
   double torque = 0;  // [N m] all of them
 
  private:
@@ -674,6 +676,37 @@ TEST_F(DeviceLoopTest, BooksTheEnergyThatEachCommandGaveWhileTicksStoodStill) {
   loop.sink.cycle();
   step();
   EXPECT_NEAR(before - account.energy, given, 1e-3 * given);
+}
+
+// Its sensors are slower than the bus.
+TEST_F(DeviceLoopTest, AWayThatIsToldLateTookAllOfTheTimeSinceTheAngleChanged) {
+  HapticLoop control = start_loop(profile, {});
+  certify_loop(control);
+  SteadyLink link(profile);
+  for (int i = 0; i < 20; ++i) step_through(link, control);
+  EXPECT_NEAR(control.still[3], 0.019, 1.1e-3);
+  link.off = 0.01f;
+  step_through(link, control);
+  EXPECT_EQ(control.still[3], 0);
+}
+
+TEST_F(DeviceLoopTest, TellsOnceWhichSensorIsSlowerThanTheBusAndWhatToSay) {
+  profile.safety.tick_hold = 1;
+  open(false, false);
+  int told_of_it = 0;
+  std::string text;
+  const auto moves = [&](int changes) {
+    for (int i = 0; i < changes; ++i) {
+      device.off[5] += i % 20 < 10 ? 0.006f : -0.006f;
+      exchanges(4);
+      for (const SinkEvent& event : loop.sink.events())
+        if (event.text.find("changes once in") != std::string::npos) ++told_of_it, text = event.text;
+    }
+  };
+  moves(100);
+  EXPECT_EQ(told_of_it, 1);
+  EXPECT_EQ(text.find("angle of index proximal changes once in "), 0u) << text;
+  EXPECT_NE(text.find("\"delay\": "), std::string::npos) << text;
 }
 
 // A device that is asked several times a tick: from one answer to the next a joint may move by less than its

@@ -72,6 +72,25 @@ TEST(DelayedLoop, GivesNoEnergyWhileTheArmPressesTheHandOntoSomething) {
   EXPECT_GT(felt.torque, 5e-3) << "something is felt";
 }
 
+// Its angles are older than its answers, which no measuring of the bus tells.
+TEST(DelayedLoop, DoesNotShakeWithSensorsSlowerThanTheBusWhereTheProfileSaysSo) {
+  Sweep sweep;
+  for (JointDynamics& joint : sweep.profile.dynamics) joint.friction = joint.encoder_step = 0;
+  ASSERT_TRUE(build_play(Play::taps, 2e7, sweep.model).ok());
+  Motion motion = play_motion(Play::taps, sweep.model);
+  const auto late = std::find_if(motion.samples.begin(), motion.samples.end(),
+                                 [](const auto& sample) { return sample.time > 2; });
+  motion.samples.erase(late, motion.samples.end());
+  DelayedLoop loop;
+  loop.bus = {Delays::constant, 0.001, 1000};
+  loop.human = {1, 0.002};
+  loop.friction = 0;
+  loop.sensing = 0.02;
+  EXPECT_GT(run_delayed(sweep.model, motion, sweep.profile, loop).shakes, 10u) << "unsaid";
+  for (Sensor& sensor : sweep.profile.sensors) sensor.delay = loop.sensing;
+  expect_quiet(run_delayed(sweep.model, motion, sweep.profile, loop));
+}
+
 // A line of 115200 baud takes 18 ms. What the device's own loop could bear is not what models can that are as
 // old as such exchanges.
 TEST(DelayedLoop, IsFeltThroughLocalModelsOnSlowBusesAndDoesNotShake) {

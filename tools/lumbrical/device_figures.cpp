@@ -154,6 +154,7 @@ Json DeviceSession::certificate_json() const {
     if (!certificate.known[j]) continue;
     const StiffnessBound& bound = certificate.joint[j];
     json["joints"].push_back({{"joint", segment_name(static_cast<int>(j))},
+                              {"own_delay", own_delay(told_->profile, j)},
                               {"sampled", finite_or_null(bound.sampled)},
                               {"delayed", finite_or_null(bound.delayed)},
                               {"friction", finite_or_null(bound.friction)},
@@ -224,7 +225,8 @@ void DeviceSession::add_rows(Table& table) const {
   } else if (control.certificate.known[3]) {
     table.add("", "index proximal: 2b/T " + brief(bound.sampled) + ", with delay " + brief(bound.delayed) +
                       ", friction " + brief(bound.friction) + "; allowed " +
-                      brief(control.certificate.margin * bound.largest) + " N m/rad");
+                      brief(control.certificate.margin * bound.largest) + " N m/rad" +
+                      own_delay_text(told.profile));
   } else {
     table.add("",
               "the profile does not say the joints' damping: nothing can be promised, nothing is limited");

@@ -59,6 +59,15 @@ void DeviceSession::Told::tell(SinkEvent event) {
   events.push_back(std::move(event));
 }
 
+std::string own_delay_text(const DeviceProfile& profile) {
+  std::string text;
+  if (const double own = own_delay(profile, kToldJoint); own > 0)
+    text = ", with " + brief(1e3 * own) + " ms of the device's own";
+  if (!knows_own_delays(profile))
+    text += "; the profile does not say every `delay` of sensors and drives, and counts on none there";
+  return text;
+}
+
 // At most once a second: a bus that gets slower all the time is told of often enough.
 void DeviceSession::Told::tell_timing() {
   const std::int64_t now = clock_ns();
@@ -74,6 +83,7 @@ void DeviceSession::Told::tell_timing() {
   if (certificate.known[kToldJoint])
     text += "; index proximal " + brief(certificate.margin * certificate.joint[kToldJoint].largest) +
             " N m/rad allowed";
+  text += own_delay_text(profile);
   tell({static_cast<double>(now - opened) * 1e-9, std::move(text)});
 }
 

@@ -4,6 +4,7 @@
 
 #include <atomic>
 #include <cstdint>
+#include <string>
 #include <thread>
 #include <vector>
 
@@ -12,6 +13,9 @@
 #include "sink_uri.h"
 
 namespace lumbrical::tool {
+
+/// What a certificate is besides the bus's, as the end of a sentence about the index's proximal joint.
+std::string own_delay_text(const DeviceProfile& profile);
 
 struct DeviceSession::Told {
   SinkUri uri;

@@ -67,6 +67,7 @@ struct Actuator {
   double slew = 0;              ///< largest rise away from `safe` [unit/s], > 0
   JointArray arm{};             ///< [N m per unit] opening torque about each joint; 0: not tied to it
   LocalFields local;
+  std::optional<double> delay;  ///< [s] from the command to its torque, beyond the bus, 0 .. 1; not known
 };
 
 /// One joint angle the device reports.
@@ -74,6 +75,8 @@ struct Sensor {
   int angle = 0;  ///< in the order of hand.h
   RegisterField field;
   double lower = 0, upper = 0;  ///< [rad] anything outside is not believed
+  /// [s] By how much its angles are older than the device's answer, at most, 0 .. 1; not known.
+  std::optional<double> delay;
 };
 
 struct RegisterWrite {
@@ -213,6 +216,12 @@ std::string name_registers(const DeviceProfile& profile, const RegisterBlock& bl
 /// Whether the parts of a profile agree: limits that its registers can't hold, fields that overlap, a safe
 /// value outside the limits, more registers than Modbus allows. Names the field by its path in the file.
 Status check_profile(const DeviceProfile& profile);
+
+/// [s] From a joint's angle to its torque, of the device's own, beyond what the bus takes: the largest delays
+/// of its sensor and of what drives it, 0 where the profile doesn't say.
+double own_delay(const DeviceProfile& profile, std::size_t joint);
+/// Whether it says all of them.
+bool knows_own_delays(const DeviceProfile& profile);
 
 /// Whether a device may be given forces by it: it notices the end of whoever drives it, or that was accepted.
 Status check_attended(const DeviceProfile& profile);

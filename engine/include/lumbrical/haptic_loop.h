@@ -43,6 +43,7 @@ struct HapticLoop {
   DeviceFeedback booked;         ///< up to which energy is booked
   std::array<double, 3 * kFingerCount> moved{};  ///< [rad] closing, from `booked` to `feedback`
   double between = 0;                            ///< [s] those two; 0: the device had let go meanwhile
+  JointArray still{};                            ///< [s] since its angle changed, up to `booked`
   JointArray speed{};                            ///< [rad/s] from `answered_from` to `feedback`
 
   // The bus.

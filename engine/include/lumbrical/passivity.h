@@ -30,6 +30,7 @@ struct StiffnessCertificate {
   std::array<bool, kPhalanxCount> known{};
 };
 
+/// `timing` is the bus's; what the device itself takes (own_delay) is added joint by joint.
 StiffnessCertificate make_certificate(const DeviceProfile& profile, const LoopTiming& timing);
 
 /// [N m/rad] for each finger: how the opening torque of its joint i grows as its joint k closes.
@@ -78,6 +79,7 @@ struct EnergyStep {
   std::array<double, 3> acted{};  ///< [N m] the torques the device made meanwhile, wires' preload left out
   double given = 0;               ///< [J] what the touch has taken elsewhere: see arm_work
   bool touching = false;          ///< torques act or are wanted
+  std::array<double, 3> held{};   ///< [s] before it without a change of the angle: its way took so long, too
 };
 
 /// Without touch the account is closed: what an earlier touch has taken must not pay for what a later one

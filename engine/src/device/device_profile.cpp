@@ -8,6 +8,7 @@
 
 #include "device/profile_check.h"
 #include "device/registers.h"
+#include "lumbrical/math.h"
 
 namespace lumbrical {
 namespace {
@@ -117,6 +118,21 @@ Status check_attended(const DeviceProfile& profile) {
       ": has no heartbeat, so nothing lets go of a force once this program, its "
       "machine or the cable is gone; with a device that needs none, or at your own risk, write "
       "\"unattended\": \"accepted\" in the profile or unattended=accepted in the address");
+}
+
+double own_delay(const DeviceProfile& profile, std::size_t joint) {
+  double sensed = 0, driven = 0;
+  for (const Sensor& sensor : profile.sensors)
+    if (is_flexion(sensor) && sensed_joint(sensor) == joint) sensed = max(sensed, sensor.delay.value_or(0));
+  for (const Actuator& actuator : profile.actuators)
+    if (actuator.arm[joint] != 0) driven = max(driven, actuator.delay.value_or(0));
+  return sensed + driven;
+}
+
+bool knows_own_delays(const DeviceProfile& profile) {
+  const auto says = [](const auto& one) { return one.delay.has_value(); };
+  return std::all_of(profile.sensors.begin(), profile.sensors.end(), says) &&
+         std::all_of(profile.actuators.begin(), profile.actuators.end(), says);
 }
 
 double angle_step(const DeviceProfile& profile, const Sensor& sensor) {

@@ -93,7 +93,10 @@ void book_energy(const JointArray& wanted, HapticLoop& loop) {
     step.dt = loop.between;
     double squares = 0;
     for (std::size_t k = 0; k < 3; ++k) {
-      step.moved[k] = loop.moved[3 * f + k];
+      const double moved = step.moved[k] = loop.moved[3 * f + k];
+      double& still = loop.still[3 * f + k];
+      step.held[k] = still;
+      still = moved != 0 ? 0 : still + loop.between;
       step.acted[k] = acted[3 * f + k];
       step.touching = step.touching || wanted[3 * f + k] != 0 || is_acted_on(loop, 3 * f + k);
       squares += step.acted[k] * step.acted[k];

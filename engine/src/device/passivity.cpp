@@ -79,7 +79,8 @@ StiffnessCertificate make_certificate(const DeviceProfile& profile, const LoopTi
   StiffnessCertificate certificate;
   certificate.timing = timing;
   for (std::size_t j = 0; j < kPhalanxCount; ++j) {
-    certificate.joint[j] = stiffness_bound(timing, profile.dynamics[j]);
+    const LoopTiming whole{timing.period, timing.jitter, timing.delay + own_delay(profile, j)};
+    certificate.joint[j] = stiffness_bound(whole, profile.dynamics[j]);
     certificate.known[j] = profile.dynamics[j].damping > 0;
   }
   return certificate;
@@ -149,7 +150,8 @@ void keep_account(const StiffnessCertificate& certificate, const DeviceProfile& 
     // encoder steps may have invented doesn't count.
     const double way = max(0, std::fabs(step.moved[k]) - joint.encoder_step);
     touch += step.acted[k] * step.moved[k];
-    if (step.dt > 0) damped += certificate.margin * joint.damping * way * way / step.dt;
+    const double time = step.dt + step.held[k];
+    if (time > 0) damped += certificate.margin * joint.damping * way * way / time;
     if (certificate.known[j])
       bent += 0.5 * certificate.margin * certificate.joint[j].largest * step.moved[k] * step.moved[k];
   }

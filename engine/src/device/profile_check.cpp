@@ -62,6 +62,8 @@ ProfileFault limits_fault(const Actuator& actuator, const std::string& path) {
     return {path + ".preload", wire ? "lies outside lower .. upper" : "is for wires only"};
   }
   if (!(actuator.slew > 0)) return {path + ".slew", "must be above 0"};
+  if (!range::own_delay.holds(actuator.delay.value_or(0)))
+    return {path + ".delay", "must be " + text_of(range::own_delay)};
   return {};
 }
 
@@ -183,7 +185,8 @@ ProfileFault sensors_fault(const DeviceProfile& profile) {
     if (std::exchange(measured[static_cast<std::size_t>(sensor.angle)], true))
       return {path + ".joint", "is measured twice"};
     const BoundedNumber numbers[] = {{".lower", sensor.lower, range::sensed_angle},
-                                     {".upper", sensor.upper, range::sensed_angle}};
+                                     {".upper", sensor.upper, range::sensed_angle},
+                                     {".delay", sensor.delay.value_or(0), range::own_delay}};
     if (ProfileFault fault = bounds_fault(numbers); !fault.what.empty())
       return {path + fault.path, fault.what};
     if (!(sensor.lower < sensor.upper)) return {path + ".upper", "must be above lower"};

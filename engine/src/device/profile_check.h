@@ -17,7 +17,7 @@ inline constexpr Range exchange_rate{0.1, 20000, " Hz"}, response_timeout{0.001,
 inline constexpr Range device_fade{0.001, 1, " s"}, soft_start{0, 60, " s"}, tick_hold{0.0001, 1, " s"},
     tick_timeout{0.001, 10, " s"}, answer_timeout{0.001, 10, " s"};
 inline constexpr Range baud{300, 10000000}, stop_bits{1, 2};
-inline constexpr Range sensed_angle{-7, 7, " rad"};
+inline constexpr Range sensed_angle{-7, 7, " rad"}, own_delay{0, 1, " s"};
 inline constexpr Range joint_inertia{0, 1, " kg m^2"}, joint_damping{0, 1e3, " N m s/rad"},
     joint_friction{0, 1e3, " N m"}, encoder_step{0, 1, " rad"};
 

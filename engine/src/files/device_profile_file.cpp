@@ -38,6 +38,7 @@ class ProfileReader {
   void field(const device_format::Field* table, const std::string& path, RegisterField& target);
   void transport(const device_format::Transport* table);
   void actuator(const device_format::Actuator& table, const std::string& path, Actuator& target);
+  void delay(flatbuffers::Optional<double> value, const std::string& path, std::optional<double>& target);
   void arms(const device_format::Actuator& table, const std::string& path, Actuator& target);
   void sensor(const device_format::Sensor& table, const std::string& path, Sensor& target);
   void handshake(const device_format::Device& table);
@@ -128,6 +129,13 @@ void ProfileReader::transport(const device_format::Transport* table) {
   word(table->unit(), "transport.unit", unit_, false, 247);
 }
 
+void ProfileReader::delay(flatbuffers::Optional<double> value, const std::string& path,
+                          std::optional<double>& target) {
+  double number = 0;
+  read_.number(value, path + ".delay", range::own_delay, number);
+  if (value.has_value()) target = number;
+}
+
 void ProfileReader::arms(const device_format::Actuator& table, const std::string& path, Actuator& target) {
   const auto* const joints = table.joints();
   for (uoffset_t i = 0; joints != nullptr && i < joints->size(); ++i) {
@@ -156,6 +164,7 @@ void ProfileReader::actuator(const device_format::Actuator& table, const std::st
   read_.number(table.preload(), path + ".preload", range, target.preload);
   target.slew = (target.upper - target.lower) / kDefaultRise;
   read_.number(table.slew(), path + ".slew", {1e-9, kLargest}, target.slew);
+  delay(table.delay(), path, target.delay);
   arms(table, path, target);
   if (table.local() == nullptr) return;
   target.local.present = true;
@@ -177,6 +186,7 @@ void ProfileReader::sensor(const device_format::Sensor& table, const std::string
   target.upper = 2.5;
   read_.number(table.lower(), path + ".lower", range::sensed_angle, target.lower);
   read_.number(table.upper(), path + ".upper", range::sensed_angle, target.upper);
+  delay(table.delay(), path, target.delay);
 }
 
 void ProfileReader::handshake(const device_format::Device& table) {

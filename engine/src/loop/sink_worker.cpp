@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <limits>
 #include <new>
 #include <utility>
@@ -11,6 +12,7 @@
 #include "base/thread_signals.h"
 #include "loop/scheduling.h"
 #include "lumbrical/real_time.h"
+#include "model/ranges.h"
 
 namespace lumbrical {
 namespace {
@@ -251,6 +253,25 @@ void DeviceSink::Worker::take_angles(DeviceFeedback& feedback) const {
   }
 }
 
+// Once for each joint: what is slower than the bus can't be known by measuring the bus.
+void DeviceSink::Worker::note_pace(const DeviceFeedback& feedback) {
+  for (const Sensor& sensor : profile.sensors) {
+    const auto a = static_cast<std::size_t>(sensor.angle);
+    const std::uint32_t bit = 1u << a;
+    if ((feedback.valid & bit) == 0 || (slow_told & bit) != 0) continue;
+    note_angle(feedback.angle[a], feedback.asked, profile.dynamics[sensed_joint(sensor)].encoder_step,
+               pace[a]);
+    const double slow = slow_pace(pace[a]);
+    if (!(slow > 0 && slow > 1.2 * sensor.delay.value_or(0))) continue;
+    slow_told |= bit;
+    tell("angle of " + std::string(segment_name(static_cast<int>(sensed_joint(sensor)))) +
+         " changes once in " + text_of(std::round(1e3 * slow)) +
+         " ms only while the joint moves, more seldom than the device answers: what is stiff may shake; let "
+         "the profile say so, \"delay\": " +
+         text_of(1e-3 * std::round(1e3 * slow)) + " of its sensor");
+  }
+}
+
 void DeviceSink::Worker::take_feedback(std::int64_t sent, std::int64_t now) {
   const bool was_silent = !has_answered || silent(sent);
   const std::uint16_t echo = answer.status.echo;
@@ -271,6 +292,7 @@ void DeviceSink::Worker::take_feedback(std::int64_t sent, std::int64_t now) {
   take_angles(feedback);
   check_feedback(profile, feedback, feedback_memory);
   tell_doubts(feedback);
+  note_pace(feedback);
   hand_over(feedback);
 }
 

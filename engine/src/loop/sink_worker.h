@@ -16,6 +16,7 @@
 #include "base/ring.h"
 #include "base/steady_clock.h"
 #include "device/feedback_check.h"
+#include "device/sensor_pace.h"
 #include "loop/running_time.h"
 #include "lumbrical/device_sink.h"
 
@@ -74,7 +75,9 @@ struct DeviceSink::Worker {
   bool has_answered = false;    // on this connection: the device there may be another than before
   WireAnswer answer;
   FeedbackMemory feedback_memory{};
-  bool standing = false;  // what was sent in the cycle before was acknowledged on this connection
+  std::array<AnglePace, kAngleCount> pace{};
+  std::uint32_t slow_told = 0;  // bit i: that angle i is told slowly
+  bool standing = false;        // what was sent in the cycle before was acknowledged on this connection
   bool other_master = false;
   bool looks_back = true;    // as far as is known of this connection
   std::string not_noticed;   // why another master would not be, as told of this connection
@@ -127,6 +130,7 @@ struct DeviceSink::Worker {
   bool exchange_and_note(const SafetyOutput& output);
   void tell_doubts(const DeviceFeedback& feedback);
   void take_angles(DeviceFeedback& feedback) const;
+  void note_pace(const DeviceFeedback& feedback);
   void take_feedback(std::int64_t sent, std::int64_t now);
   void hand_over(const DeviceFeedback& feedback);
   bool next_feedback(DeviceFeedback& feedback);
