@@ -6,6 +6,7 @@
 
 #include "base/steady_clock.h"
 #include "lumbrical/math.h"
+#include "lumbrical/safety.h"
 
 namespace lumbrical {
 namespace {
@@ -29,11 +30,32 @@ JointTorque torque_about(const DeviceProfile& profile, const ActuatorArray& acte
   return torque;
 }
 
-bool jumps(const JointDynamics& joint, float angle, std::int64_t now, const AngleMemory& memory) {
-  if (memory.asked == 0) return false;
-  const double passed = in_seconds(now - memory.asked);
-  const double moved = std::fabs(static_cast<double>(angle) - static_cast<double>(memory.believed));
-  return moved > kFastestJoint * passed + 2 * joint.encoder_step + kSlack;
+// In a time within which nothing was believed, a finger that comes back has not gone `on`.
+bool jumps(const JointDynamics& joint, float from, float to, double passed, bool on) {
+  const double moved = std::fabs(static_cast<double>(to) - static_cast<double>(from));
+  const double beyond = on ? kFastFinger * max(0, passed - kFarthestAtOnce / kFastestJoint) : 0;
+  const double way = min(kFastestJoint * passed, kFarthestAtOnce + beyond);
+  return moved > way + 2 * joint.encoder_step + kSlack;
+}
+
+// Of one that can't have followed what was believed. A sensor that has slipped says what is possible from one
+// answer to the next: force at another place than before comes from nothing, and softly.
+bool has_settled(const DeviceProfile& profile, const JointDynamics& joint, float angle,
+                 const DeviceFeedback& feedback, AngleMemory& memory) {
+  const double passed = in_seconds(feedback.time - memory.said_at);
+  const bool follows = memory.steady != 0 && !jumps(joint, memory.said, angle, passed, true);
+  if (!follows) memory.steady = feedback.asked;
+  memory.said = angle;
+  memory.said_at = feedback.asked;
+  return follows && in_seconds(feedback.asked - memory.steady) >= max(kSettling, profile.safety.fade);
+}
+
+bool is_believable(const DeviceProfile& profile, const JointDynamics& joint, float angle,
+                   const DeviceFeedback& feedback, AngleMemory& memory) {
+  const bool doubted = (memory.doubt & (kAngleJumped | kAngleOutOfRange)) != 0;
+  const double passed = in_seconds(feedback.time - memory.asked);
+  return memory.asked == 0 || !jumps(joint, memory.believed, angle, passed, !doubted) ||
+         has_settled(profile, joint, angle, feedback, memory);
 }
 
 void believe(float angle, std::int64_t asked, AngleMemory& memory) {
@@ -43,6 +65,7 @@ void believe(float angle, std::int64_t asked, AngleMemory& memory) {
   memory.believed = angle;
   memory.asked = asked;
   memory.doubt = 0;
+  memory.steady = 0;
 }
 
 // [N m] Of what opens the joint, what must move it: at an end of its sensor's range, and where it was never
@@ -90,7 +113,8 @@ void check_feedback(const DeviceProfile& profile, DeviceFeedback& feedback, Feed
     const std::size_t joint = sensed_joint(sensor);
     const JointDynamics& dynamics = profile.dynamics[joint];
     const bool in_range = (feedback.valid & bit) != 0;
-    if (!in_range || jumps(dynamics, feedback.angle[a], feedback.time, memory[a])) {
+    if (!in_range) memory[a].steady = 0;
+    if (!in_range || !is_believable(profile, dynamics, feedback.angle[a], feedback, memory[a])) {
       memory[a].doubt = in_range ? kAngleJumped : kAngleOutOfRange;
       feedback.flags |= memory[a].doubt;
       feedback.valid &= ~bit;
