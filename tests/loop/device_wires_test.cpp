@@ -74,6 +74,8 @@ class DatagramDevice {
   std::atomic<double> value{0};
   std::atomic<bool> active{false}, silent{false};
   std::atomic<int> commands{0};
+  std::atomic<std::uint64_t> boot{0};
+  std::atomic<int> switched_off{0};  // commands that were not active
 
  private:
   void serve() {
@@ -92,6 +94,7 @@ class DatagramDevice {
       ++commands;
       value = command.value[kIndex];
       active = command.active;
+      if (!active) ++switched_off;
       for (const std::vector<std::byte>& one : noise_) sendto(file_, one.data(), one.size(), 0, to, size);
       CommandDatagram another = command;
       another.session ^= 1;
@@ -101,7 +104,9 @@ class DatagramDevice {
       sendto(file_, reply.data(), reply.size(), 0, to, size);
       if (silent) continue;
       angle[5] = 0.3f;
-      write_feedback(command, {}, angle, 1u << 5, reply);
+      DeviceStatus status;
+      status.boot = boot;
+      write_feedback(command, status, angle, 1u << 5, reply);
       sendto(file_, reply.data(), reply.size(), 0, to, size);
     }
   }
@@ -192,6 +197,25 @@ TEST(DatagramWire, ADeviceThatFallsSilentUnderForceIsDisconnected) {
   DeviceSink sink;
   ASSERT_TRUE(open_sink(profile, device, sink).ok());
   expect_silence_noticed(device, sink);
+}
+
+// However soon it answers again: what it held it has let go of.
+TEST(DatagramWire, ADeviceThatHasBegunAnewIsArmedAgainSoftly) {
+  DeviceProfile profile = device_of(TransportKind::udp);
+  profile.safety.soft_start = 5;
+  DatagramDevice device(profile);
+  device.boot = 7;
+  DeviceSink sink;
+  ASSERT_TRUE(open_sink(profile, device, sink).ok());
+  ASSERT_TRUE(acts(sink, [&] { return device.value > 0.001; }));
+  const int before = device.switched_off;
+  device.boot = 8;
+  EXPECT_TRUE(acts(sink, [&] { return device.switched_off > before; })) << "and told no force";
+  EXPECT_TRUE(acts(sink, [&] { return device.value > 0.001; }));
+  EXPECT_GE(sink.report().losses, 1u);
+  std::string log;
+  for (const SinkEvent& event : sink.events()) log += event.text + "\n";
+  EXPECT_NE(log.find("has begun anew"), std::string::npos) << log;
 }
 
 TEST(DatagramWire, ADeviceThatFloodsDoesNotHoldUpTheSink) {

@@ -27,6 +27,9 @@ struct DeviceStatus {
   bool has_dead_man = false, dead_man = true;      ///< a switch of its own, and whether it is held
   bool echoes = false;                             ///< it repeats in `echo` a number that every cycle changes
   std::uint16_t echo = 0;
+  /// Another number whenever its program has begun anew, which a wire takes for a connection that is broken;
+  /// 0: it does not say.
+  std::uint64_t boot = 0;
 };
 
 struct WireAnswer {

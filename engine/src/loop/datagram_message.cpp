@@ -97,7 +97,7 @@ void write_feedback(const CommandDatagram& command, const DeviceStatus& status,
   flatbuffers::Offset<flatbuffers::String> dead_man;
   if (status.has_dead_man) dead_man = builder.CreateString(status.dead_man ? "held" : "released");
   const auto message = fb::CreateFeedback(builder, command.session, command.cycle, status.ready, status.fault,
-                                          status.stop, dead_man, angles, valid);
+                                          status.stop, dead_man, angles, valid, status.boot);
   finish(builder, fb::Message::Feedback, message.Union(), datagram);
 }
 
@@ -112,6 +112,7 @@ bool read_feedback(std::span<const std::byte> datagram, std::uint64_t session, s
   answer.status.ready = from->ready();
   answer.status.fault = from->fault();
   answer.status.stop = from->stop();
+  answer.status.boot = from->boot();
   answer.status.has_dead_man = from->dead_man() != nullptr;
   answer.status.dead_man = from->dead_man() == nullptr || from->dead_man()->str() == "held";
   const auto* const angles = from->angle();

@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <cstring>
 #include <string>
+#include <utility>
 
 #include "base/steady_clock.h"
 #include "loop/datagram_message.h"
@@ -67,13 +68,14 @@ class DatagramWire final : public DeviceWire {
   std::size_t opened_ = 0, addresses_ = 0;  // of the host: tried so far, and how many there are
   int silent_ = 0;       // cycles since it was opened in which nothing was heard; -1: something was
   std::string address_;  // in numbers, the one that was tried last
-  std::uint64_t session_ = 0;
+  std::uint64_t session_ = 0, boot_ = 0;  // the device's; 0: not known
   std::vector<std::byte> sent_;
 };
 
 Status DatagramWire::open() {
   close_socket();
   silent_ = 0;
+  boot_ = 0;
   if (Status status = connect_next(); !status.ok()) return status;
   // Who does not see the datagrams can't guess it.
   if (getrandom(&session_, sizeof session_, 0) != sizeof session_)
@@ -136,6 +138,10 @@ WireResult DatagramWire::exchange(const WireCommand& command, WireAnswer& answer
     const std::span whole(received.data(), static_cast<std::size_t>(size));
     if (!read_feedback(whole, session_, cycle, news) || cycle != command.cycle) continue;
     silent_ = -1;
+    // It has let go of what it held, and knows nothing of what was there before.
+    if (const std::uint64_t before = std::exchange(boot_, news.status.boot);
+        before != 0 && before != news.status.boot)
+      return {WireOutcome::broken, "the device at " + place() + " has begun anew"};
     news.asked = answer.asked;
     answer = news;
     return {};
