@@ -376,6 +376,39 @@ TEST_F(DeviceLoopTest, WhatActedOnALostConnectionFadesWhileANewOneIsMadeHoweverQ
   EXPECT_FALSE(device.on);
 }
 
+// A device that sends each answer twice, say.
+TEST_F(DeviceLoopTest, AConnectionThatBreaksAgainAtOnceIsMadeEverMoreSeldom) {
+  open();
+  ASSERT_TRUE(exchanges(3));
+  const std::int64_t begun = clock_ns();
+  const int before = device.connections;
+  ASSERT_TRUE(steps_until([&] {
+    device.cuts = device.exchanges % 2 == 0;
+    return clock_ns() - begun > 500000000;
+  }));
+  const double passed = 1e-9 * static_cast<double>(clock_ns() - begun);
+  EXPECT_LE(device.connections - before, 2 + passed / profile.first_retry);
+}
+
+TEST_F(DeviceLoopTest, AnswersThatAreLostAgainAndAgainAreToldOnceASecondWithTheirNumber) {
+  open();
+  const std::int64_t begun = clock_ns();
+  int told_of_it = 0;
+  std::string last;
+  ASSERT_TRUE(steps_until([&] {
+    if (device.exchanges % 3 == 0) device.missing = 1e-4;
+    exchanges(1);
+    for (const SinkEvent& event : loop.sink.events())
+      if (event.text.find("no answer") == 0) ++told_of_it, last = event.text;
+    return told_of_it == 2;
+  }));
+  const double passed = 1e-9 * static_cast<double>(clock_ns() - begun);
+  EXPECT_GE(passed, 1);
+  EXPECT_NE(last.find(" times since that was told: what is sent or answered is lost on the way"),
+            std::string::npos)
+      << last;
+}
+
 // To find a host by its name may take the system half a minute.
 TEST_F(DeviceLoopTest, ALostConnectionIsToldBeforeANewOneIsMade) {
   open();

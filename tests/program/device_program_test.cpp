@@ -463,6 +463,31 @@ TEST(DeviceProgram, ADeviceThatIsNotThereIsTheFirstThingSaidWithItsCause) {
   EXPECT_LT(stopped.json()["ticks"], 25000);
 }
 
+TEST(DeviceProgram, ARecordingWhoseNameIsTakenIsToldBeforeTheDeviceIsSpokenTo) {
+  const auto folder = fresh_folder();
+  write_inputs(folder);
+  std::ofstream(folder / "session.mcap") << "mine";
+  const std::string run =
+      "lumbrical run scene.json --rate 100 --sink 'modbus-tcp://127.0.0.1:1?profile=device.json' --ticks 20 ";
+  const Outcome taken = shell(run + "--record session.mcap", folder);
+  EXPECT_EQ(taken.exit_code, 2) << taken.error;
+  EXPECT_NE(taken.error.find("is there already"), std::string::npos) << taken.error;
+  EXPECT_EQ(taken.error.find("not connected"), std::string::npos) << taken.error;
+  EXPECT_EQ(shell(run + "--record other.mcap", folder).exit_code, 4);
+  EXPECT_TRUE(std::filesystem::exists(folder / "other.mcap"));
+}
+
+TEST(DeviceProgram, TicksThatComeFarTooSeldomAreATrouble) {
+  const auto folder = fresh_folder();
+  write_inputs(folder);
+  const Outcome run =
+      shell("lumbrical run scene.json --rate 100000 --precision exact --ticks 60000 --json", folder);
+  const std::string trouble = run.json()["trouble"].dump();
+  EXPECT_NE(trouble.find("Hz of 100,000: everything took longer than it was to; lower --rate"),
+            std::string::npos)
+      << trouble;
+}
+
 // The next file that is opened would take their numbers, and what is told stand in it.
 TEST(DeviceProgram, ClosedStandardStreamsLeaveTheRecordingWhole) {
   for (const std::string closed : {"2>&-", ">&-", "<&-"}) {

@@ -230,6 +230,15 @@ Status open_recorder(const RunOptions& options, const std::vector<Model>& models
   return recorder.open(options.record, scene_of(models[0]), recorder_options);
 }
 
+// Before a device is spoken to: a name that is taken, or a folder that is not there, is known without it.
+Status check_recordable(const RunOptions& options, const std::vector<Model>& models) {
+  if (options.record.empty()) return {};
+  Recorder trial;
+  Status status = open_recorder(options, models, nullptr, trial);
+  if (status.ok()) trial.discard();
+  return status;
+}
+
 int run(const RunOptions& options) {
   Session session;
   auto& [scene_file, models, given, hands, ticks] = session;
@@ -248,6 +257,7 @@ int run(const RunOptions& options) {
   DeviceSession device;
   std::size_t device_hand = 0;
   if (with_device) {
+    if (status = check_recordable(options, models); !status.ok()) return fail(status);
     if (status = device.open(options.sink, models, device_hand); !status.ok()) return fail(status);
     if (!measure_device(hands[device_hand], kMeasuring, device)) {
       fail(options.scene + ": stopped by a signal before the first tick");

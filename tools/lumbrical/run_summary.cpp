@@ -76,6 +76,11 @@ double rate_reached(const RunStatistics& run) {
   return run.wall_seconds > 0 ? static_cast<double>(run.ticks) / run.wall_seconds : 0;
 }
 
+// What a stall or two can't explain.
+bool is_far_too_slow(const RunStatistics& run, double wanted) {
+  return run.wall_seconds > 0.5 && rate_reached(run) < 0.8 * wanted;
+}
+
 double mean_contacts(const RunStatistics& run, const HandFigures& hand) {
   return run.ticks > 0 ? static_cast<double>(hand.contacts) / static_cast<double>(run.ticks) : 0;
 }
@@ -127,11 +132,15 @@ std::string way_to_touch(const RunStatistics& run, const SceneFile& scene_file) 
 }
 
 // Before any figure: what a person must know who reads one line.
-std::vector<std::string> trouble_of(const RunStatistics& run, const SceneFile& scene_file,
+std::vector<std::string> trouble_of(const RunStatistics& run, const SceneFile& scene_file, bool paced,
                                     const DeviceSession* device) {
   std::vector<std::string> lines = device != nullptr ? device->trouble() : std::vector<std::string>();
   if (!run.recording_error.ok()) lines.push_back("the recording failed: " + run.recording_error.message());
   if (run.not_recorded > 0) lines.push_back(grouped(run.not_recorded) + " ticks are not in the recording");
+  if (const double wanted = scene_file.scene.settings.rate; paced && is_far_too_slow(run, wanted))
+    lines.push_back("ticks came at " + grouped(static_cast<std::uint64_t>(rate_reached(run))) + " Hz of " +
+                    grouped(static_cast<std::uint64_t>(wanted)) +
+                    ": everything took longer than it was to; lower --rate, or see docs/tuning.md");
   const auto touched = [](const HandFigures& hand) { return hand.contacts > 0; };
   const auto lost = [&run](const HandFigures& hand) { return lost_throughout(run, hand); };
   const auto overflowed = [](const HandFigures& hand) { return ticks_with(hand, kCandidateOverflow) > 0; };
@@ -324,7 +333,7 @@ Json run_json(const RunSummary& summary) {
   const auto& [scene_file, models, run, late, effort, device, paced, recording] = summary;
   const Model& model = models[0];
   Json json;
-  json["trouble"] = trouble_of(run, scene_file, device);
+  json["trouble"] = trouble_of(run, scene_file, paced, device);
   json["ticks"] = run.ticks;
   json["rate_hz"] = rate_reached(run);
   json["tick_us"] = times_json(run.tick_times);
@@ -366,7 +375,7 @@ std::string run_text(const RunSummary& summary) {
   const auto& [scene_file, models, run, late, effort, device, paced, recording] = summary;
   const Model& model = models[0];
   Table table;
-  for (const std::string& line : trouble_of(run, scene_file, device))
+  for (const std::string& line : trouble_of(run, scene_file, paced, device))
     table.add(table.rows.empty() ? "trouble" : "", line);
   table.add("ticks", grouped(run.ticks) + " of " + brief(1e3 / model.settings.rate) + " ms" +
                          (run.interrupted ? ", stopped by a signal" : ""));

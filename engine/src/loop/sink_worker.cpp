@@ -18,6 +18,8 @@ namespace lumbrical {
 namespace {
 
 constexpr std::size_t kMostEvents = 1000;
+constexpr double kTellingPause = 1;  // [s] between two words about the same trouble that comes and goes
+constexpr double kStands = 1;        // [s] a connection that lasted for so long is one that works
 
 }  // namespace
 
@@ -26,10 +28,22 @@ void DeviceSink::Worker::tell(std::string text) {
   if (events.size() < kMostEvents) events.push_back({in_seconds(steady_ns() - opened), std::move(text)});
 }
 
-// The same trouble is told once, until something works again.
+// The same trouble is told once, until something works again, and then no more often than anyone can read.
 void DeviceSink::Worker::problem(std::string text) {
-  if (last_problem == text) return;
+  const bool same = last_problem == text;
+  if (same && !std::exchange(has_worked, false)) return;
+  has_worked = false;
+  const std::int64_t now = steady_ns();
+  times_untold = same ? times_untold + 1 : 0;
+  if (same && in_seconds(now - problem_told) < kTellingPause) return;
+  problem_told = now;
   last_problem = text;
+  if (times_untold > 1)
+    text +=
+        ", " + std::to_string(times_untold) +
+        " times since that was told: what is sent or answered is lost on the way, or response_timeout is too "
+        "short for it";
+  times_untold = 0;
   if (safety.state != SafetyState::fault) {  // what has ended the forces is told in the end
     const std::lock_guard lock(mutex);
     report.trouble = text;
@@ -60,6 +74,7 @@ void DeviceSink::Worker::connect() {
       ++report.connections;
     }
     tell("connected");
+    connected_at = steady_ns();
     connected = looks_back = true;
     handshaken = false;
     not_noticed.clear();
@@ -378,8 +393,8 @@ bool DeviceSink::Worker::exchange_and_note(const SafetyOutput& output) {
     told_at = sent;
     lost_answered = running.lost;
     has_answered = true;
-    retry = 0;
-    last_problem.clear();
+    if (in_seconds(now - connected_at) > kStands) retry = 0;
+    has_worked = true;
   }
   remember(output, sent, acknowledged ? now : 0);
   return acknowledged;

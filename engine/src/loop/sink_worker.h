@@ -89,6 +89,10 @@ struct DeviceSink::Worker {
   std::array<std::int64_t, 2> rate_start{};
   std::array<std::uint64_t, 2> rate_count{};
   std::string last_problem;
+  bool has_worked = false;         // since then
+  std::uint64_t times_untold = 0;  // that it came again
+  std::int64_t problem_told = 0;   // when
+  std::int64_t connected_at = 0;   // when this connection, or the last one, was opened
   SafetyState remembered_state = SafetyState::disconnected;
   std::uint32_t remembered_flags = 0;
 
