@@ -136,6 +136,23 @@ TEST(CommandLine, ExportIsSmallAndNumPyReadsItsArchive) {
   EXPECT_FALSE(fs::exists(folder / "none.npz"));
 }
 
+TEST(CommandLine, ExportTakesTheFormatFromTheEndingOfItsFile) {
+  const fs::path folder = folder_with_demo();
+  ASSERT_EQ(shell("lumbrical run demo.json --ticks 10 --record a.mcap", folder).exit_code, 0);
+  const auto begin_of = [&folder](const std::string& file, const std::string& more) {
+    const Outcome done = shell("lumbrical export a.mcap -o " + file + more, folder);
+    return done.exit_code == 0 ? read_file(folder / file).substr(0, 2) : done.error;
+  };
+  EXPECT_EQ(begin_of("a.npz", ""), "PK");
+  EXPECT_EQ(begin_of("a.json", ""), "{\"");
+  EXPECT_EQ(begin_of("a.jsonl", ""), "{\"");
+  EXPECT_EQ(begin_of("a.csv", ""), "ti");
+  EXPECT_EQ(begin_of("a.txt", ""), "ti");
+  EXPECT_EQ(begin_of("b.txt", " --format npz"), "PK");
+  EXPECT_NE(begin_of("b.npz", " --format csv").find("the ending of b.npz says npz"), std::string::npos);
+  EXPECT_FALSE(fs::exists(folder / "b.npz"));
+}
+
 TEST(CommandLine, ARecordingTellsWhenItWasMadeAndWhatItsNumbersAre) {
   const fs::path folder = folder_with_demo();
   ASSERT_EQ(shell("lumbrical run demo.json --ticks 10 --record a.mcap", folder).exit_code, 0);

@@ -17,7 +17,7 @@ namespace lumbrical::tool {
 namespace {
 
 struct ExportSwitches {
-  std::string recording, output = "-", format = "csv", ticks, side;
+  std::string recording, output = "-", format, ticks, side;
   std::vector<std::string> columns, segments;
   bool events = false, poses = false, contacts = false, exact = false;
 };
@@ -50,7 +50,19 @@ bool parse_ticks(const std::string& text, ExportOptions& options) {
 std::string check_ticks(std::string& text) {
   ExportOptions ignored;
   if (!text.empty() && parse_ticks(text, ignored)) return {};
-  return '"' + text + "\" is no range of ticks; use FIRST:LAST or FIRST:LAST:STEP";
+  return '"' + text + "\" is no range of ticks; use FIRST:BEHIND or FIRST:BEHIND:STEP";
+}
+
+// The format that a file's ending names; empty where it names none.
+std::string format_of(const std::string& path) {
+  if (path.ends_with(".npz")) return "npz";
+  if (path.ends_with(".json") || path.ends_with(".jsonl")) return "json";
+  return path.ends_with(".csv") ? "csv" : "";
+}
+
+ExportFormat export_format(const std::string& name) {
+  if (name == "npz") return ExportFormat::npz;
+  return name == "json" ? ExportFormat::json : ExportFormat::csv;
 }
 
 Status export_to_file(std::span<RecordingReader> readers, const ExportSwitches& switches,
@@ -69,10 +81,12 @@ int export_as_table(const ExportSwitches& switches) {
   std::vector<RecordingReader> readers;
   if (Status status = open_hands(switches.recording, readers, parse_side(switches.side)); !status.ok())
     return fail(status);
+  const std::string ending = format_of(switches.output);
+  if (!switches.format.empty() && !ending.empty() && switches.format != ending)
+    return fail("--format " + switches.format + ": the ending of " + switches.output + " says " + ending +
+                "; leave --format out, or give the file another ending");
   ExportOptions wanted;
-  wanted.format = switches.format == "json"  ? ExportFormat::json
-                  : switches.format == "npz" ? ExportFormat::npz
-                                             : ExportFormat::csv;
+  wanted.format = export_format(switches.format.empty() ? ending : switches.format);
   wanted.columns = switches.columns;
   for (const std::string& name : switches.segments) wanted.segments.push_back(*parse_segment(name));
   wanted.exact = switches.exact;
@@ -96,9 +110,10 @@ void add_export(Command& app, int& exit_code) {
       ->required()
       ->type_name("REC.mcap");
   command
-      ->add_option("--format", switches->format, "csv, npz (NumPy), or json: one object per line, all of it")
-      ->check(one_of({"csv", "npz", "json"}))
-      ->capture_default_str();
+      ->add_option("--format", switches->format,
+                   "csv, npz (NumPy), or json: one object per line, all of it; default: what the ending of "
+                   "--output says (.csv, .npz, .json, .jsonl), or else csv")
+      ->check(one_of({"csv", "npz", "json"}));
   command
       ->add_option(
           "--columns", switches->columns,
@@ -111,8 +126,8 @@ void add_export(Command& app, int& exit_code) {
       ->check(Check{check_segment, "SEGMENT[,SEGMENT]"});
   command->add_option("--side", switches->side, "Only this hand, of a session of two")
       ->check(one_of({"left", "right"}));
-  command->add_option("--ticks", switches->ticks, "Only these ticks")
-      ->check(Check{check_ticks, "FIRST:LAST[:STEP]"});
+  command->add_option("--ticks", switches->ticks, "Only these ticks, up to before BEHIND")
+      ->check(Check{check_ticks, "FIRST:BEHIND[:STEP]"});
   command->add_flag("--exact", switches->exact, "csv: all digits, not six");
   command->add_flag(
       "--events", switches->events,
