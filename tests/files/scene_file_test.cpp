@@ -198,6 +198,41 @@ TEST(SceneFile, NamesTheFileAtFault) {
             std::string::npos);
 }
 
+TEST(SceneFile, SaysWhichFieldNamesAFileThatIsNotThere) {
+  const std::string grasp = R"("motion": {"grasp": {}})", plane = R"("objects": [{"plane": {}, )";
+  const std::pair<std::string, const char*> scenes[] = {
+      {"{\"objects\": [\n{\"mesh\": \"gone.obj\", \"unit\": \"m\"}], " + grasp + "}",
+       "scene.json:2:10: objects[0].mesh: "},
+      {plane + R"("friction": 1}], "motion": {"file": "gone.csv"}})", ": motion.file: "},
+      {plane + R"("friction": 1}], "hand_file": "gone.json", )" + grasp + "}", ": hand_file: "},
+      {plane + R"("friction": 1, "surface": {"friction_file": "gone.txt"}}], )" + grasp + "}",
+       ": objects[0].surface.friction_file: "},
+      {R"({"world": "gone.world", )" + grasp + "}", "scene.json:1:11: world: "},
+  };
+  for (const auto& [text, place] : scenes) {
+    const std::string message = error_of((text[0] == '{' ? "" : "{") + text);
+    EXPECT_NE(message.find(place), std::string::npos) << message;
+    EXPECT_NE(message.find(": there is no such file; check the path"), std::string::npos) << message;
+  }
+  write_file("torn.obj", "v 0 0\n");  // whose reader tells the line
+  EXPECT_EQ(error_of(R"({"objects": [{"mesh": "torn.obj", "unit": "m"}], "motion": {"grasp": {}}})")
+                .find("objects[0].mesh"),
+            std::string::npos);
+}
+
+TEST(SceneFile, TellsAMeshOrARecordingThatIsGivenForAScene) {
+  SceneFile scene_file;
+  const auto told = [&scene_file](const std::string& path) {
+    return load_scene_file(path, scene_file).message();
+  };
+  const std::string mesh = write_file("cup.obj", "v 0 0 0\n");
+  EXPECT_NE(told(mesh).find("cup.obj: this is a mesh, no scene"), std::string::npos);
+  EXPECT_NE(told(write_file("session.mcap", "\x89MCAP0\r\n")).find("this is a recording, no scene"),
+            std::string::npos);
+  EXPECT_NE(told(mesh + "/none.obj").find("none.obj: "), std::string::npos);
+  EXPECT_EQ(told(mesh + "/none.obj").find("this is a mesh"), std::string::npos);
+}
+
 struct Mistake {
   const char* text;
   const char* message;  // behind the path
@@ -210,7 +245,17 @@ TEST(SceneFile, TellsEveryMistakeWithItsPlace) {
       {"[]", ":1:1: expecting: {"},
       {R"({"settings": {"precision": "exact"}})",
        ":1:28: settings.precision is \"exact\" but must be a number; 0 is exact"},
-      {"{\n \"objcts\": []}", ":2:12: unknown field: objcts; schemas/scene.fbs lists the fields"},
+      {"{\n \"objcts\": []}",
+       ":2:12: unknown field: objcts; did you mean objects? schemas/scene.fbs lists the fields"},
+      {R"({"motion": {"grap": {}}})", ":1:21: unknown field: grap; did you mean grasp? schemas/"},
+      {R"({"objects": [{"plane": {}}, {"colour": 1}]})", ":1:40: unknown field: colour; fields here are "},
+      {R"({"settings": {"gravity": [0, 0, 0]}})",
+       ":1:26: unknown field: gravity; it belongs to the scene itself;"},
+      {R"({"stiffness": 1e7})", ":1:17: unknown field: stiffness; it belongs into \"settings\""},
+      {R"({"settings": {"pad": {"physics": 1}}})", "unknown field: physics; it belongs to the scene itself;"},
+      {R"({"format": "angles", "frames": []})", ": this is a hand motion, no scene;"},
+      {R"([{"jointTransforms": []}])", "; if this is a hand motion, give it to --motion"},
+      {R"({"name": "x", "transport": {}})", ": this is a device profile, no scene;"},
       {R"({"motion": {"grasp": {}}})", ":1:1: objects is missing or empty"},
       {R"({"motion": {"grasp": {}}, "objects": []})", ":1:38: objects is missing or empty"},
       {"{\"motion\": {\"grasp\": {}}, \"objects\": [\n{\"plane\": {}},\n{}]}",

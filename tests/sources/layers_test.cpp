@@ -38,7 +38,7 @@ struct Rule {
 };
 
 const Rule kRules[] = {
-    {Layer::base, "engine/include/lumbrical", "math shared_array status"},
+    {Layer::base, "engine/include/lumbrical", "math nearest_name shared_array status"},
     {Layer::base, "engine/src/base", "*"},
 
     {Layer::model, "engine/include/lumbrical",

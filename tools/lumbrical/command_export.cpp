@@ -9,6 +9,7 @@
 
 #include "commands.h"
 #include "fail_to_write.h"
+#include "lumbrical/nearest_name.h"
 #include "lumbrical/recording.h"
 #include "output.h"
 #include "switches.h"

@@ -82,7 +82,4 @@ std::string run_command_line(const Program& program, int argc, char** argv,
 /// together. What is wrong with it, as above.
 std::string parse_line(const std::string& line, const std::function<void(Command&)>& add_options);
 
-/// "; did you mean NAME?": of all names the one with the fewest letters to change, unless those are too many.
-std::string did_you_mean(const std::string& word, const std::vector<std::string>& names);
-
 }  // namespace lumbrical::tool

@@ -296,7 +296,8 @@ int run(const RunOptions& options) {
 
 // What is computed: switches that a line of a list may have as well.
 void add_scene_switches(RunOptions& options, Command& command) {
-  command.add_option("scene", options.scene, "Scene file (JSON, see schemas/scene.fbs)");
+  command.add_option("scene", options.scene,
+                     "Scene file (JSON; schemas/scene.fbs, installed in share/lumbrical, lists its fields)");
   command.add_option("--motion", options.motion, "Hand motion in the place of the scene's")
       ->check(is_path())
       ->type_name("FILE");

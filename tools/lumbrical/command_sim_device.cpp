@@ -165,7 +165,10 @@ void add_sim_device(Command& app, int& exit_code) {
   const auto options = std::make_shared<SimOptions>();
   Command* const command =
       app.add_subcommand("sim-device", "A simulated exoskeleton that speaks Modbus, with a human hand in it");
-  command->add_option("--profile", options->profile, "Device profile (JSON, see schemas/device.fbs)")
+  command
+      ->add_option(
+          "--profile", options->profile,
+          "Device profile (JSON; schemas/device.fbs, installed in share/lumbrical, lists its fields)")
       ->required();
   Command* const wire = command->add_option_group("wire", "Where it listens; one of");
   wire->add_option("--tcp", options->tcp, "TCP; port 0 takes a free one")->type_name("[HOST:]PORT");

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "base/whole_file.h"
+#include "lumbrical/nearest_name.h"
 
 namespace lumbrical {
 namespace {
@@ -24,12 +25,6 @@ TextPlace place_of(std::string_view text, std::size_t offset) {
 
 std::string prefix(const std::string& name, TextPlace place) {
   return name + ":" + std::to_string(place.line) + ":" + std::to_string(place.column) + ": ";
-}
-
-std::string remedy_of(std::string_view message, const JsonSchema& schema) {
-  if (message.starts_with("unknown field"))
-    return std::string("; schemas/") + schema.file + " lists the fields";
-  return "";
 }
 
 // Takes line and column off the parser's "12: 34: error: what".
@@ -197,6 +192,61 @@ const char* wanted_for_no_number(const flatbuffers::Type& type, std::string_view
   return is_none && flatbuffers::IsScalar(type.base_type) ? wanted_for(type, value) : nullptr;
 }
 
+using flatbuffers::StructDef;
+
+const StructDef* table_in(const flatbuffers::Type& type) {
+  const flatbuffers::Type inner = flatbuffers::IsVector(type) ? type.VectorType() : type;
+  return inner.base_type == flatbuffers::BASE_TYPE_STRUCT ? inner.struct_def : nullptr;
+}
+
+// The table of the first object within the value at hand that has a member which is none of its fields; null
+// where there is none.
+const StructDef* table_without_field(Walker& walker, const StructDef& table) {
+  const StructDef* found = nullptr;
+  const bool list = walker.peek() == '[';
+  walker.step([&](std::string_view key, std::size_t) {
+    const flatbuffers::FieldDef* const field = list ? nullptr : table.fields.Lookup(std::string(key));
+    const StructDef* const inner = list ? &table : field != nullptr ? table_in(field->value.type) : nullptr;
+    if (!list && field == nullptr)
+      found = &table;
+    else if (inner != nullptr)
+      found = table_without_field(walker, *inner);
+    return found != nullptr;
+  });
+  return found;
+}
+
+// "; did you mean NAME?", "; it belongs to ..." where another table of the file has it, or all of the
+// table's.
+std::string fields_near(const std::string& name, const StructDef& table, const StructDef& root) {
+  if (&table != &root && root.fields.Lookup(name) != nullptr)
+    return "; it belongs to the " + lower_case(root.name) + " itself";
+  std::vector<std::string> names;
+  for (const flatbuffers::FieldDef* const field : table.fields.vec) names.push_back(field->name);
+  std::sort(names.begin(), names.end());
+  if (std::string meant = did_you_mean(name, names); !meant.empty()) return meant;
+  for (const flatbuffers::FieldDef* const field : root.fields.vec) {
+    const StructDef* const inner =
+        flatbuffers::IsVector(field->value.type) ? nullptr : table_in(field->value.type);
+    if (inner != nullptr && inner->fields.Lookup(name) != nullptr)
+      return "; it belongs into \"" + field->name + '"';
+  }
+  std::string all = "; fields here are ";
+  for (const std::string& field : names) all += (&field == names.data() ? "" : ", ") + field;
+  return all;
+}
+
+std::string remedy_of(std::string_view message, const JsonFile& file, const StructDef& root,
+                      const JsonSchema& schema) {
+  constexpr std::string_view kUnknown = "unknown field: ";
+  if (!message.starts_with(kUnknown)) return "";
+  Walker walker(file.text);
+  const StructDef* const table = table_without_field(walker, root);
+  const std::string name(message.substr(kUnknown.size()));
+  const std::string near = table == nullptr ? "" : fields_near(name, *table, root);
+  return near + (near.ends_with('?') ? " " : "; ") + "schemas/" + schema.file + " lists the fields";
+}
+
 using WantedFor = const char* (*)(const flatbuffers::Type& type, std::string_view value);
 
 // Steps to the first value before `end` that is not of its field's type, adds the way there to `path`, and
@@ -248,7 +298,8 @@ std::string error_of(const JsonFile& file, const flatbuffers::Parser& parser, co
   const TextPlace place = take_place(message);
   std::string wrong = wrong_kind_of(file, parser, wanted_for, offset_of(file.text, place));
   if (!wrong.empty()) return wrong;
-  return prefix(file.name, place) + std::string(message).append(remedy_of(message, schema));
+  return prefix(file.name, place) +
+         std::string(message).append(remedy_of(message, file, *parser.root_struct_def_, schema));
 }
 
 std::string interval(const Range& range) {
@@ -307,6 +358,14 @@ void FieldReader::error(const std::string& path, const std::string& what) {
   if (!status_.ok()) return;
   const std::string subject = path.empty() ? std::string() : path + " ";
   status_ = Status::error(prefix(file_.name, find_json_value(file_.text, path)) + subject + what);
+}
+
+Status FieldReader::of_file(const std::string& path, const std::string& file, const Status& status) const {
+  const std::string name = file + ":";
+  const std::string& message = status.message();
+  const bool placed = message.starts_with(name) && message[name.size()] != ' ';
+  if (status.ok() || placed) return status;
+  return Status::error(prefix(file_.name, find_json_value(file_.text, path)) + path + ": " + message);
 }
 
 void FieldReader::check(const Status& checked) {

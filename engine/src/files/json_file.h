@@ -67,6 +67,9 @@ class FieldReader {
   void error(const std::string& path, const std::string& what);
   /// What no single value tells; an error begins with the path of its value.
   void check(const Status& checked);
+  /// What is wrong with a file that the value at `path` names: with that value's place, unless the file's own
+  /// reader tells a line in it.
+  [[nodiscard]] Status of_file(const std::string& path, const std::string& file, const Status& status) const;
   [[nodiscard]] bool ok() const { return status_.ok(); }
   [[nodiscard]] const Status& status() const { return status_; }
 

@@ -25,6 +25,37 @@ Status read_table(const std::string& path, const char* root, JsonFile& file) {
   return read_json_file(path, {"scene.fbs", schema, root}, file);
 }
 
+bool has_field(const JsonFile& file, const char* name) {
+  const TextPlace root = find_json_value(file.text, ""), value = find_json_value(file.text, name);
+  return value.line != root.line || value.column != root.column;
+}
+
+// What was given for a scene, and what to do with it; null where it is of no kind that is known.
+const char* other_kind(const JsonFile& file) {
+  const std::string name = lower_case(file.name);
+  for (const char* const ending : {".obj", ".stl", ".ply", ".off", ".gltf", ".glb"})
+    if (name.ends_with(ending))
+      return "this is a mesh, no scene; name it in a scene as the \"mesh\" of an object (README.md, \"A "
+             "scene\")";
+  if (file.text.starts_with("\x89MCAP0"))
+    return "this is a recording, no scene; `lumbrical replay` feels it again";
+  for (const char* const field : {"format", "frames", "jointTransforms"})
+    if (has_field(file, field))
+      return "this is a hand motion, no scene; name it in a scene as \"motion\": {\"file\": ...}, or give it "
+             "to --motion";
+  if (has_field(file, "transport") || has_field(file, "actuators"))
+    return "this is a device profile, no scene; it belongs into the URI of --sink, as profile=FILE";
+  return nullptr;
+}
+
+Status read_scene(const std::string& path, JsonFile& file) {
+  Status status = read_table(path, "lumbrical.scene_format.Scene", file);
+  if (status.ok() || file.text.empty()) return status;
+  if (const char* const other = other_kind(file)) return Status::error(file.name + ": " + other);
+  const bool list = file.text.starts_with('[');  // WebXR's are
+  return list ? Status::error(status.message() + "; if this is a hand motion, give it to --motion") : status;
+}
+
 // A word that `parse` knows; `otherwise` says what is wrong with others.
 template <class Parse, class Value>
 void read_word(const flatbuffers::String* word, const std::string& path, const Parse& parse,
@@ -139,8 +170,9 @@ Status read_motion_file(const format::Motion* table, const MotionOverride& chose
   Status status = says_both(table, chosen)
                       ? load_both_motions(path, options, result.motion, result.second.emplace().motion)
                       : load_motion(path, options, result.motion);
-  if (status.ok()) result.files.push_back(path);
-  return status;
+  if (!status.ok()) return chosen.file.empty() ? read.of_file("motion.file", path, status) : status;
+  result.files.push_back(path);
+  return {};
 }
 
 Motion read_grasp(const format::Grasp& table, const Hand& hand, FieldReader& read) {
@@ -310,7 +342,7 @@ Status read_world(const format::Scene& scene, FieldReader& read, SceneFile& resu
                "leaf_size and tree_levels, or build the world with them");
   if (!read.ok()) return read.status();
   result.files.push_back(beside(result.files[0], scene.world()->string_view()));
-  return open_world(result.files.back(), result.scene.world);
+  return read.of_file("world", result.files.back(), open_world(result.files.back(), result.scene.world));
 }
 
 bool is_given_with_mass(const SceneObject& object) {
@@ -351,7 +383,7 @@ Status load_scene_objects(const std::string& path, const std::function<Status(co
                           const std::function<Status(SceneObject&&)>& take) {
   const FloatingPointGuard guard;
   JsonFile file;
-  if (Status status = read_table(path, "lumbrical.scene_format.Scene", file); !status.ok()) return status;
+  if (Status status = read_scene(path, file); !status.ok()) return status;
   const format::Scene& scene = *format::GetScene(file.buffer.data());
   FieldReader read(file);
   if (scene.world() != nullptr) read.error("world", "is a world file already; name objects");
@@ -367,7 +399,7 @@ Status load_scene_objects(const std::string& path, const std::function<Status(co
 Status load_scene_file(const std::string& path, SceneFile& scene_file, const MotionOverride& motion) {
   const FloatingPointGuard guard;
   JsonFile file;
-  if (Status status = read_table(path, "lumbrical.scene_format.Scene", file); !status.ok()) return status;
+  if (Status status = read_scene(path, file); !status.ok()) return status;
   const format::Scene& scene = *format::GetScene(file.buffer.data());
   FieldReader read(file);
   SceneFile result;
@@ -380,7 +412,7 @@ Status load_scene_file(const std::string& path, SceneFile& scene_file, const Mot
     if (!read.ok()) return read.status();
     const std::string hand_path = beside(path, scene.hand_file()->string_view());
     Status status = read_table(hand_path, "lumbrical.scene_format.Hand", hand_file);
-    if (!status.ok()) return status;
+    if (!status.ok()) return read.of_file("hand_file", hand_path, status);
     hand_table = flatbuffers::GetRoot<format::Hand>(hand_file.buffer.data());
     result.files.push_back(hand_path);
   }

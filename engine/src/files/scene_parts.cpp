@@ -109,7 +109,8 @@ Status read_mesh(const format::Object& table, const std::string& at, FieldReader
     }
     if (!read.ok()) return read.status();
     const std::string path = beside(files[0], table.mesh()->string_view());
-    if (Status status = load_mesh(path, unit, object.mesh); !status.ok()) return status;
+    if (Status status = load_mesh(path, unit, object.mesh); !status.ok())
+      return read.of_file(at + ".mesh", path, status);
     files.push_back(path);
     if (table.winding() != nullptr) {
       const auto winding = parse_winding(table.winding()->string_view());

@@ -20,7 +20,8 @@ Status read_texture(const format::Texture* table, const std::string& at, Range r
   read.number(table->white(), at + ".white", range, texture.white);
   if (!read.ok()) return read.status();
   const std::string path = beside(files[0], table->image()->string_view());
-  if (Status status = load_grey_image(path, texture.image); !status.ok()) return status;
+  if (Status status = load_grey_image(path, texture.image); !status.ok())
+    return read.of_file(at + ".image", path, status);
   files.push_back(path);
   return {};
 }
@@ -30,7 +31,8 @@ Status read_factors(const format::Surface& table, const std::string& at, FieldRe
   if (table.friction_file() == nullptr) return {};
   const std::string path = beside(files[0], table.friction_file()->string_view());
   std::vector<double>& factors = object.surface.friction_factor;
-  if (Status status = load_friction_factors(path, factors); !status.ok()) return status;
+  if (Status status = load_friction_factors(path, factors); !status.ok())
+    return read.of_file(at + ".friction_file", path, status);
   files.push_back(path);
   const std::size_t triangles = object.mesh.triangles.size();
   if (factors.size() != triangles)
