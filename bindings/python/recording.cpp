@@ -40,10 +40,25 @@ class Recording : public Bound {
 };
 
 // From a tick to another, without that, every so many.
+struct Range {
+  std::uint64_t first, step;
+  std::optional<std::uint64_t> last;
+};
+
+Range range_of(const py::object& first, const py::object& last, const py::object& step) {
+  const auto number = [](const py::object& given, const char* name) {
+    return taken<std::uint64_t>(given, name,
+                                "a whole number, 0 or more: a tick counts from the session's start");
+  };
+  Range range{number(first, "first"), number(step, "step"), std::nullopt};
+  if (!last.is_none()) range.last = number(last, "last");
+  if (range.step == 0) throw py::value_error("step is 0");
+  return range;
+}
+
 template <class Take>
-void read_ticks(Recording& self, std::uint64_t first, std::optional<std::uint64_t> last, std::uint64_t step,
-                const Take& take) {
-  if (step == 0) throw py::value_error("step is 0");
+void read_ticks(Recording& self, const Range& range, const Take& take) {
+  const auto& [first, step, last] = range;
   const Busy busy(self.busy);
   RecordingReader& reader = self.reader();
   Status status;
@@ -63,9 +78,9 @@ void read_ticks(Recording& self, std::uint64_t first, std::optional<std::uint64_
   check(status);
 }
 
-py::array read(Recording& self, std::uint64_t first, std::optional<std::uint64_t> last, std::uint64_t step) {
+py::array read(Recording& self, const py::object& first, const py::object& last, const py::object& step) {
   std::vector<RecordedTick> rows;
-  read_ticks(self, first, last, step, [&rows](const TickRecord& record) {
+  read_ticks(self, range_of(first, last, step), [&rows](const TickRecord& record) {
     rows.emplace_back(RecordedTick{record.device, record.output, record.state_hash, record.duration_ns});
   });
   return array_of(std::move(rows));
@@ -73,12 +88,11 @@ py::array read(Recording& self, std::uint64_t first, std::optional<std::uint64_t
 
 // A row for each tick, of as many as there are in the first: others would stand in each other's place.
 template <class Item, class ListOf>
-py::object read_table(Recording& self, std::uint64_t first, std::optional<std::uint64_t> last,
-                      std::uint64_t step, const char* names, const ListOf& list_of) {
+py::object read_table(Recording& self, const Range& range, const char* names, const ListOf& list_of) {
   std::vector<Item> rows;
   std::size_t ticks = 0, per_tick = 0;
   std::string uneven;
-  read_ticks(self, first, last, step, [&](const TickRecord& record) {
+  read_ticks(self, range, [&](const TickRecord& record) {
     const std::span<const Item> list = list_of(record);
     if (ticks == 0) per_tick = list.size();
     if (uneven.empty() && list.size() != per_tick)
@@ -93,17 +107,17 @@ py::object read_table(Recording& self, std::uint64_t first, std::optional<std::u
   return array_of(std::move(rows)).attr("reshape")(py::make_tuple(ticks, per_tick));
 }
 
-py::object read_objects(Recording& self, std::uint64_t first, std::optional<std::uint64_t> last,
-                        std::uint64_t step) {
-  return read_table<ObjectOutput>(self, first, last, step, "objects", [](const TickRecord& record) {
+py::object read_objects(Recording& self, const py::object& first, const py::object& last,
+                        const py::object& step) {
+  return read_table<ObjectOutput>(self, range_of(first, last, step), "objects", [](const TickRecord& record) {
     return std::span(record.object).first(record.object_count);
   });
 }
 
-py::object read_given(Recording& self, std::uint64_t first, std::optional<std::uint64_t> last,
-                      std::uint64_t step) {
+py::object read_given(Recording& self, const py::object& first, const py::object& last,
+                      const py::object& step) {
   return read_table<ObjectFrame>(
-      self, first, last, step, "poses of given objects",
+      self, range_of(first, last, step), "poses of given objects",
       [](const TickRecord& record) { return std::span(record.given).first(record.given_count); });
 }
 

@@ -252,11 +252,63 @@ std::optional<std::string_view> common_law(const PyScene& self) {
   return law_name(laws[0]);
 }
 
+py::tuple laws_of(const PyScene& self) {
+  py::list laws;
+  for (const Law law : self.scene.settings.law) laws.append(law_name(law));
+  return py::tuple(laws);
+}
+
+void set_laws(PyScene& self, const std::vector<std::string>& names) {
+  if (names.size() != kSegmentCount)
+    throw py::value_error("laws are " + std::to_string(names.size()) + "; give 16, one for each segment");
+  std::array<Law, kSegmentCount> laws{};
+  for (std::size_t i = 0; i < laws.size(); ++i) laws[i] = law_of(names[i]);
+  self.scene.settings.law = laws;
+}
+
+std::string described(const PyScene& self) {
+  const Scene& scene = self.scene;
+  return "<lumbrical.Scene: " + std::string(side_name(scene.hand.side)) + " hand, " +
+         std::to_string(scene.objects.size()) + (scene.objects.size() == 1 ? " object" : " objects") +
+         (scene.world ? " and a world" : "") + ">";
+}
+
+std::string described(const PyModel& self) {
+  std::size_t triangles = self.model.triangles.size();
+  for (const ApartObject& apart : self.model.apart) triangles += apart.shape->triangles.size();
+  return "<lumbrical.Model: " + std::string(side_name(self.model.hand.side)) + " hand, " +
+         std::to_string(triangles) + " triangles>";
+}
+
 // A property that is set to a Value.
 template <class Value, class Class, class Get, class Set>
 void bind_property(Class& bound, const char* name, const char* takes, const Get& get, const Set& set) {
   bound.def_property(name, get, [=](PyScene& self, const py::object& given) {
     set(self, taken<Value>(given, name, takes));
+  });
+}
+
+bool is_one_number(const py::object& given) {
+  const auto array = py::array::ensure(given);
+  if (!array) PyErr_Clear();
+  return array && array.ndim() == 0;
+}
+
+// Numbers that are written to in place, or set together: to as many, or where `one_for_all` to one.
+template <class Class, class Data>
+void bind_view(Class& bound, const char* name, const std::vector<py::ssize_t>& shape, bool one_for_all,
+               const Data& data) {
+  const auto get = [=](const py::object& self) {
+    return view_of(static_cast<const double*>(data(self.cast<PyScene&>())), shape, self, true);
+  };
+  bound.def_property(name, get, [=](PyScene& self, const py::object& given) {
+    py::ssize_t count = 1;
+    for (const py::ssize_t n : shape) count *= n;
+    double* const target = data(self);
+    if (one_for_all && is_one_number(given))
+      std::fill_n(target, count, numbers_of<double>(given, {}, name)[0]);
+    else
+      std::ranges::copy(numbers_of<double>(given, shape, name), target);
   });
 }
 
@@ -317,6 +369,7 @@ void bind_scene(py::module_& module) {
       "dry_friction"_a = 0.0, "detent_force"_a = 0.0, "detent_pitch"_a = mechanism.detent_pitch,
       "latch_object"_a = py::none(), "latch_opens"_a = 0.0, "crease_angle"_a = 0.0,
       "friction_factors"_a = py::none(), "grip"_a = py::none(), "bumps"_a = py::none());
+  scene.def("__repr__", [](const PyScene& self) { return described(self); });
   scene.def("frames", &motion_frames);
   scene.def("fit_hand", &fit_hand_of, "frame"_a, "radii"_a = py::none());
   bind_number(scene, "stiffness", &Settings::stiffness);
@@ -327,22 +380,19 @@ void bind_scene(py::module_& module) {
   bind_number(scene, "proxy_stiffness", &Settings::proxy_stiffness);
   bind_number(scene, "effort", &Settings::effort);
   bind_number(scene, "max_candidates", &Settings::max_candidates);
-  scene.def_property_readonly("pad_layers", [](const py::object& self) {
-    static_assert(sizeof(PadLayer) == 2 * sizeof(double));
-    return view_of(&self.cast<PyScene&>().scene.settings.pad.layer[0].from, {kPadLayers, 2}, self, true);
-  });
+  static_assert(sizeof(PadLayer) == 2 * sizeof(double));
+  bind_view(scene, "pad_layers", {kPadLayers, 2}, false,
+            [](PyScene& self) { return &self.scene.settings.pad.layer[0].from; });
   bind_property<double>(
       scene, "pad_damping", "a number", [](const PyScene& self) { return self.scene.settings.pad.damping; },
       [](PyScene& self, double value) { self.scene.settings.pad.damping = value; });
-  scene.def_property_readonly("precision", [](const py::object& self) {
-    return view_of(self.cast<PyScene&>().scene.settings.precision.data(), {kSegmentCount}, self, true);
-  });
-  scene.def_property_readonly("radii", [](const py::object& self) {
-    return view_of(self.cast<PyScene&>().scene.hand.radius.data(), {kJointCount}, self, true);
-  });
-  scene.def_property_readonly("gravity", [](const py::object& self) {
-    return view_of(&self.cast<PyScene&>().scene.gravity.x, {3}, self, true);
-  });
+  bind_view(scene, "precision", {kSegmentCount}, true,
+            [](PyScene& self) { return self.scene.settings.precision.data(); });
+  bind_view(scene, "radii", {kJointCount}, false,
+            [](PyScene& self) { return self.scene.hand.radius.data(); });
+  bind_view(scene, "gravity", {3}, false, [](PyScene& self) { return &self.scene.gravity.x; });
+  bind_property<std::vector<std::string>>(scene, "laws", "16 strings, one for each segment", &laws_of,
+                                          &set_laws);
   bind_property<std::optional<Ground>>(
       scene, "ground", "a Ground or None", [](const PyScene& self) { return self.scene.ground; },
       [](PyScene& self, const std::optional<Ground>& ground) { self.scene.ground = ground; });
@@ -361,6 +411,7 @@ void bind_scene(py::module_& module) {
   py::class_<PyModel, std::shared_ptr<PyModel>> model(module, "Model");
   model.def(py::init(&build), "scene"_a, py::kw_only(), "threads"_a = py::none(), "broadphase"_a = py::none(),
             "isa"_a = "auto");
+  model.def("__repr__", [](const PyModel& self) { return described(self); });
   model.def("share", &share, "scene"_a);
   model.def_property_readonly("vertices", &vertices);
   model.def_property_readonly("triangles", &triangles);

@@ -420,6 +420,38 @@ def test_forces_left_out_are_nan(tmp_path, session):
     assert np.isnan(forces[1:10]).all() and np.isfinite(forces[::10]).all()
 
 
+# ---- Settings that are arrays
+
+def test_arrays_of_a_scene_are_written_to_and_set():
+    scene = lum.Scene()
+    scene.precision = 1e-3
+    scene.gravity = [0, -9.81, 0]
+    scene.radii = 1.1 * scene.radii
+    scene.pad_layers = [[0.6, 1e7], [0, 0]]
+    view = scene.precision
+    scene.precision = np.linspace(1e-4, 1e-2, 16)
+    assert view[0] == 1e-4 and view[15] == 1e-2
+    assert list(scene.gravity) == [0, -9.81, 0] and scene.pad_layers[0, 1] == 1e7
+    scene.gravity[2] = 1
+    assert list(scene.gravity) == [0, -9.81, 1]
+
+
+def test_each_segment_may_have_a_law_of_its_own():
+    scene = lum.Scene()
+    assert scene.laws == ("field",) * 16
+    scene.laws = ["column"] * 15 + ["max-depth"]
+    assert scene.law is None and scene.laws[14:] == ("column", "max-depth")
+    scene.law = "field"
+    assert scene.laws == ("field",) * 16
+
+
+def test_scenes_and_models_say_what_they_are():
+    scene = ball_scene()
+    assert repr(scene) == "<lumbrical.Scene: right hand, 1 object>"
+    triangles = len(lum.Model(scene).triangles[0])
+    assert repr(lum.Model(scene)) == f"<lumbrical.Model: right hand, {triangles} triangles>"
+
+
 # ---- The stubs
 
 def test_the_stubs_name_what_is_there():

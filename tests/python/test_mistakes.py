@@ -175,11 +175,42 @@ def test_settings_out_of_range_are_told_when_the_model_is_built():
     ("effort", None, TypeError, "a whole number"), ("max_candidates", 2**32, ValueError, "a whole number"),
     ("stiffness", "x", TypeError, "a number"), ("pad_damping", None, TypeError, "a number"),
     ("ground", 1, TypeError, "a Ground or None"), ("law", 5, TypeError, "a string"),
-    ("felt_once", None, TypeError, "a string"),
+    ("felt_once", None, TypeError, "a string"), ("laws", "field", TypeError, "16 strings"),
 ])
 def test_a_property_names_itself_and_what_it_takes(name, wrong, error, takes):
     with pytest.raises(error, match=f"^{name} takes {takes}"):
         setattr(lum.Scene(), name, wrong)
+
+
+@pytest.mark.parametrize("name, wrong, error, told", [
+    ("precision", [0, 1e-3], ValueError, r"precision is not of shape \(16\)"),
+    ("precision", "1e-3", TypeError, "precision is not an array of real numbers"),
+    ("precision", np.nan, ValueError, "precision holds a number that is not finite"),
+    ("gravity", -9.81, ValueError, r"gravity is not of shape \(3\)"), ("radii", None, TypeError, "radii is None"),
+    ("laws", ["field"], ValueError, "give 16, one for each segment"),
+    ("laws", ["hard"] * 16, ValueError, "no law: field, column"),
+])
+def test_numbers_that_do_not_fit_a_view_are_refused(name, wrong, error, told):
+    scene = lum.Scene()
+    before = np.array(getattr(scene, name))
+    with pytest.raises(error, match=told):
+        setattr(scene, name, wrong)
+    assert (before == getattr(scene, name)).all()
+
+
+@pytest.mark.parametrize("asked, name", [({"first": -5}, "first"), ({"last": -1}, "last"), ({"step": -1}, "step")])
+def test_a_tick_before_the_first_is_refused_in_a_sentence(session, tmp_path, asked, name):
+    path = str(tmp_path / "few.mcap")
+    session.record(path)
+    session.run(touching_frames(10))
+    session.stop_recording()
+    with lum.Recording(path) as recording:
+        for read in (recording.read, recording.read_objects, recording.read_given):
+            with pytest.raises(ValueError, match=f"^{name} takes a whole number, 0 or more"):
+                read(**asked)
+        with pytest.raises(TypeError, match="^first takes a whole number"):
+            recording.read("x")
+        assert len(recording.read(np.int64(2), np.int64(8), 2)) == 3
 
 
 def test_a_state_of_another_kind_is_refused_by_name(session):

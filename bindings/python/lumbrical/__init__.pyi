@@ -64,6 +64,7 @@ class Scene:
     effort: int
     max_candidates: int
     law: Optional[str]  # of every segment; None where they follow different ones. Set one for all
+    laws: Sequence[str]  # of each of the 16; set all of them together
     ground: Optional[Ground]  # None: free objects fall for ever
     def __init__(self, side: str = ..., hand_length: float = ...) -> None: ...
     @staticmethod
@@ -82,14 +83,25 @@ class Scene:
     # The palm of a frame of pose_frames in which all joints are tracked, and radii (26,) [m], 0 where unknown. A frame
     # that shows no hand, lost or with all joints in one point, is a ValueError, and nothing is changed.
     def fit_hand(self, frame: Union[NDArray[np.void], np.void], radii: Optional[ArrayLike] = ...) -> None: ...
+    # Views to write into, or to be set: to as many numbers, precision to one for all segments, too.
+    # precision: (16,), of the hand's force; 0 is exact. Exact segments feel by themselves what several of them hold
+    # together (some percent of the force): compare with felt_once = "always".
     @property
-    def precision(self) -> NDArray[np.float64]: ...  # (16,), a view to write into
+    def precision(self) -> NDArray[np.float64]: ...
+    @precision.setter
+    def precision(self, numbers: ArrayLike) -> None: ...
     @property
-    def pad_layers(self) -> NDArray[np.float64]: ...  # (2, 2): from, stiffness; a view to write into
+    def pad_layers(self) -> NDArray[np.float64]: ...  # (2, 2): from, stiffness
+    @pad_layers.setter
+    def pad_layers(self, numbers: ArrayLike) -> None: ...
     @property
-    def radii(self) -> NDArray[np.float64]: ...  # (26,) [m], likewise
+    def radii(self) -> NDArray[np.float64]: ...  # (26,) [m]
+    @radii.setter
+    def radii(self, numbers: ArrayLike) -> None: ...
     @property
-    def gravity(self) -> NDArray[np.float64]: ...  # (3,) [m/s^2], likewise
+    def gravity(self) -> NDArray[np.float64]: ...  # (3,) [m/s^2]
+    @gravity.setter
+    def gravity(self, numbers: ArrayLike) -> None: ...
     @property
     def side(self) -> str: ...
 
