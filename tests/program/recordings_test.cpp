@@ -207,10 +207,24 @@ TEST(CommandLine, ViewShowsARecordingThatIsStillWritten) {
   EXPECT_EQ(shell(view + ".", folder).exit_code, 2);
 }
 
+TEST(CommandLine, ViewRefusesWhatIsNoRecording) {
+  const fs::path folder = folder_with_demo();
+  std::ofstream(folder / "a.txt") << "tick,time\n";
+  const auto told = [&folder](const std::string& file) {
+    const Outcome shown = shell("timeout -s INT 2 lumbrical view --no-browser " + file, folder);
+    EXPECT_EQ(shown.exit_code, 2) << file;
+    return shown.error;
+  };
+  EXPECT_EQ(told("a.txt"), "a.txt: this is not an MCAP file; name a recording\n");
+  EXPECT_EQ(told("none.mcap"), "none.mcap: there is no such file; check the path\n");
+  EXPECT_NE(told("demo.json").find("a scene is run: `lumbrical run SCENE --rate 1000 --view`"),
+            std::string::npos);
+}
+
 TEST(CommandLine, ViewGivesANameToARecordingWhoseNameAnAddressCannotHold) {
   const fs::path folder = folder_with_demo();
-  std::ofstream(folder / "gr\xe9.mcap") << "read by the page";
-  std::ofstream(folder / "gr\xc3\xa9.mcap") << "read by the page";
+  std::ofstream(folder / "gr\xe9.mcap") << "\x89MCAP0\r\nread by the page";
+  std::ofstream(folder / "gr\xc3\xa9.mcap") << "\x89MCAP0\r\nread by the page";
   const std::string view = "timeout -s INT 2 lumbrical view --no-browser ";
   const Outcome shown = shell(view + "gr\xe9.mcap gr\xc3\xa9.mcap", folder);
   if (shown.error.empty()) {  // the page is built

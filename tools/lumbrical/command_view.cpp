@@ -1,8 +1,10 @@
 // lumbrical view: recordings in the browser.
 #include <csignal>
 #include <filesystem>
+#include <fstream>
 #include <memory>
 #include <string>
+#include <string_view>
 
 #include "commands.h"
 #include "output.h"
@@ -25,26 +27,48 @@ std::string name_in_link(const std::filesystem::path& file) {
   return told_entry(name) == name ? name : "recording.mcap";
 }
 
+// One that is still written is under the name that it has until it is closed.
+Status find_recording(std::filesystem::path& file) {
+  std::error_code error;
+  const std::filesystem::path growing = file.string() + ".part";
+  const std::filesystem::file_type type = std::filesystem::status(file, error).type();
+  if (type == std::filesystem::file_type::not_found) {
+    if (!std::filesystem::is_regular_file(growing, error))
+      return Status::error(file.string() + ": there is no such file; check the path");
+    file = growing;
+  } else if (type != std::filesystem::file_type::regular) {
+    return Status::error(file.string() + ": is no file; name a recording");
+  }
+  return {};
+}
+
+// By its first bytes: what else cannot be read is told by the page, which says what and where.
+Status check_recording(const std::filesystem::path& file) {
+  constexpr std::string_view kMagic = "\x89MCAP0\r\n";
+  std::string begin(kMagic.size(), '\0');
+  std::ifstream stream(file, std::ios::binary);
+  if (!stream) return Status::error(file.string() + ": can't be opened; check its permissions");
+  stream.read(begin.data(), static_cast<std::streamsize>(begin.size()));
+  const bool begun = file.extension() == ".part" && static_cast<std::size_t>(stream.gcount()) < kMagic.size();
+  if (begun || begin == kMagic) return {};
+  if (file.extension() == ".json")
+    return Status::error(file.string() +
+                         ": this is no recording; a scene is run: `lumbrical run SCENE --rate 1000 --view`");
+  return Status::error(file.string() + ": this is not an MCAP file; name a recording");
+}
+
 int view(const ViewOptions& options) {
   PageContent content;
-  if (Status status = read_viewer_page(content.html); !status.ok()) return fail(status);
   std::string link;
   for (std::filesystem::path file : {options.recording, options.other}) {
     if (file.empty()) continue;
-    std::error_code error;
-    const std::filesystem::path growing = file.string() + ".part";  // as it is called until it is closed
-    const std::filesystem::file_type type = std::filesystem::status(file, error).type();
-    if (type == std::filesystem::file_type::not_found && std::filesystem::is_regular_file(growing, error)) {
-      file = growing;
-    } else if (type != std::filesystem::file_type::regular) {
-      return fail(file.string() + (type == std::filesystem::file_type::not_found ? ": there is no such file"
-                                                                                 : ": is no file"));
-    }
-    // What cannot be read is told by the page, which says what and where.
+    if (Status status = find_recording(file); !status.ok()) return fail(status);
+    if (Status status = check_recording(file); !status.ok()) return fail(status);
     const std::string place = link.empty() ? "a/" : "b/", name = name_in_link(file);
     content.files["/" + place + name] = std::filesystem::absolute(file).string();
     link += (link.empty() ? "#recording=" : "&recording=") + place + percent_encoded(name);
   }
+  if (Status status = read_viewer_page(content.html); !status.ok()) return fail(status);
   // Blocked before the server's threads are there, so that the signal comes to this one.
   sigset_t ends;
   sigemptyset(&ends);
