@@ -18,10 +18,10 @@ endfunction()
 # The options of a help text as troff: "  --name FORM   What it is", which may begin on the line behind.
 function(options_of text out)
   string(REGEX REPLACE "\n                              " "  " text "${text}")
-  string(REGEX MATCHALL "\n  [^ \n][^\n]*" lines "${text}")
+  string(REGEX MATCHALL "\n  (  )?[^ \n][^\n]*" lines "${text}")
   set(result "")
   foreach(line IN LISTS lines)
-    if(line MATCHES "^\n  (.*[^ ])   *([^ ].*)$")
+    if(line MATCHES "^\n +([^ ].*[^ ])   *([^ ].*)$")
       troff_of("${CMAKE_MATCH_1}" name)
       troff_of("${CMAKE_MATCH_2}" what)
       string(APPEND result ".TP\n.B ${name}\n${what}\n")
@@ -57,13 +57,13 @@ foreach(command IN LISTS commands)
   string(TOUPPER ${command} title)
   troff_of("${title}" title)
   string(APPEND page ".SH ${title}\n${what}\n.PP\n.B ${usage}\n${options}")
-  string(REGEX MATCHALL "\n  (-[a-z],)?--[a-z-]+" switches "${text}")
-  list(TRANSFORM switches REPLACE "^\n  (-[a-z],)?" "")
+  string(REGEX MATCHALL "\n  (  )?(-[a-z],)?--[a-z-]+" switches "${text}")  # four blanks: of a group
+  list(TRANSFORM switches REPLACE "^\n +(-[a-z],)?" "")
   list(JOIN switches " " switches)
   set(values "")  # of those options that take one of some
-  string(REGEX MATCHALL "\n  --[a-z-]+ TEXT:[a-z0-9|-]+" choices "${text}")
+  string(REGEX MATCHALL "\n  --[a-z-]+ [a-z0-9_|-]+" choices "${text}")
   foreach(choice IN LISTS choices)
-    string(REGEX MATCH "(--[a-z-]+) TEXT:(.*)" choice "${choice}")
+    string(REGEX MATCH "(--[a-z-]+) (.*)" choice "${choice}")
     set(switch ${CMAKE_MATCH_1})
     string(REPLACE "|" " " words "${CMAKE_MATCH_2}")
     if(words MATCHES " ")
@@ -76,7 +76,9 @@ endforeach()
 file(WRITE ${FOLDER}/lumbrical.1 "${page}")
 set(body "_lumbrical() {
   local current=\${COMP_WORDS[COMP_CWORD]} words=''
-  if [[ $COMP_CWORD == 1 ]]; then
+  if [[ $COMP_CWORD == 1 && $current == -* ]]; then
+    words='--help --version'
+  elif [[ $COMP_CWORD == 1 ]]; then
     words='${all_commands}'
   else
     case \${COMP_WORDS[1]}:\${COMP_WORDS[COMP_CWORD - 1]} in

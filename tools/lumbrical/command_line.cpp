@@ -30,7 +30,8 @@ Option* Option::required() {
 }
 
 Option* Option::check(const Check& check) {
-  option_->transform(CLI::Validator(check.fault, check.form));  // a check of CLI11's rewrites nothing
+  option_->transform(CLI::Validator(check.fault, ""));  // a check of CLI11's rewrites nothing
+  option_->type_name(check.form);
   return this;
 }
 
