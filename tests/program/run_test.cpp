@@ -76,7 +76,22 @@ TEST(CommandLine, AlignMovesTheMotionToTheObjectAndTellsWhereTo) {
   EXPECT_EQ(wrong.exit_code, 2);
   EXPECT_NE(wrong.error.find("motion can't be aligned: the scene has no object \"cup\""), std::string::npos)
       << wrong.error;
+  EXPECT_NE(wrong.error.find("; it has ball"), std::string::npos) << wrong.error;
   EXPECT_EQ(shell("lumbrical run scene.json --align sideways", folder_with_a_miss("")).exit_code, 2);
+}
+
+TEST(CommandLine, AHandThatIsInsideAlreadyIsNotMovedToContactAndThatIsSaid) {
+  const fs::path folder = folder_with_demo();
+  const std::string told = shell("lumbrical run demo.json --align contact", folder).output;
+  EXPECT_NE(told.find("not moved: the hand is inside an object already"), std::string::npos) << told;
+  nlohmann::json scene = nlohmann::json::parse(read_file(folder / "demo.json"));
+  scene["motion"]["align"] = "contact";
+  std::ofstream(folder / "aligned.json") << scene.dump();
+  EXPECT_NE(shell("lumbrical inspect aligned.json", folder).output.find("not moved: the hand is inside"),
+            std::string::npos);
+  EXPECT_EQ(shell("lumbrical inspect aligned.json --json", folder).json()["touching"], true);
+  EXPECT_EQ(shell("lumbrical run aligned.json --json", folder).json()["touching"], true);
+  EXPECT_FALSE(shell("lumbrical run demo.json --align mug:top --json", folder).json().contains("touching"));
 }
 
 TEST(CommandLine, AnAlignmentThatIsInForceIsNotAdvised) {

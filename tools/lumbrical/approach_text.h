@@ -30,4 +30,10 @@ Json pose_json(const Pose& pose);  ///< {"position": [x, y, z], "orientation": [
 /// `"position": [...], "orientation": [...]`, all digits: what a scene file takes.
 std::string pose_text(const Pose& pose);
 
+/// Of SceneFile::touching.
+inline constexpr const char* kTouching =
+    "not moved: the hand is inside an object already, and contact moves a hand until it touches; align it by "
+    "top "
+    "or x,y,z";
+
 }  // namespace lumbrical::tool

@@ -58,12 +58,14 @@ int inspect_scene(const std::string& path, bool json) {
     }
     if (hands.size() > 1) printed["second_hand"] = to_json(hands[1].clearance, scene_file.scene);
     if (scene_file.aligned) printed["aligned"] = pose_json(scene_file.placement.pose);
+    if (scene_file.touching) printed["touching"] = true;
     return print_json(printed);
   }
   Table table;
   table.add("objects", grouped(hands[0].clearance.object.size()));
   add_windings(objects, table);
   if (scene_file.aligned) table.add("aligned", pose_text(scene_file.placement.pose));
+  if (scene_file.touching) table.add("", kTouching);
   for (const PlacedHand& hand : hands) {
     table.add("hand", hands.size() > 1 ? std::string(side_name(hand.motion.side)) : hand_text(hand.motion));
     bool first = true;

@@ -309,6 +309,7 @@ void add_computed_with(const RunSummary& summary, Table& table) {
   const SceneFile& scene_file = summary.scene_file;
   if (scene_file.aligned) table.add("aligned", "write into the scene's motion, in the place of align:");
   if (scene_file.aligned) table.add("", pose_text(scene_file.placement.pose));
+  if (scene_file.touching) table.add("", kTouching);
   if (model.world)
     table.add("world file", model.world->path + ", " + grouped(model.world->byte_count) + " bytes, at most " +
                                 grouped(std::min(summary.run.world_held, model.world->byte_count)) +
@@ -355,6 +356,7 @@ Json run_json(const RunSummary& summary) {
   json["moved"] = moved_json(model, run.objects);
   json["interrupted"] = run.interrupted;
   if (scene_file.aligned) json["aligned"] = pose_json(scene_file.placement.pose);
+  if (scene_file.touching) json["touching"] = true;
   if (paced) {
     json["late"] = late_json(run.late, late);
     json["wake_up_us"] = times_json(run.wake_ups);

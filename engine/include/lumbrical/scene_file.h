@@ -35,6 +35,8 @@ struct SceneFile {
   MotionPlacement placement;         ///< that it was placed with, alignment included
   bool aligned =
       false;  ///< it was moved to meet an object (find_shift): write the placement's pose into the scene
+  bool touching =
+      false;  ///< it was to be moved to contact and stayed: where it comes nearest it is inside already
   std::vector<ObjectPath> paths;           ///< of the scene's given objects, in their order; empty: none
   std::optional<PhysicsChoice> physics{};  ///< for a program that has it, such as `lumbrical run`
   double seconds = 0;                      ///< [s] length of the session, > 0

@@ -309,6 +309,7 @@ Status align_motion(const format::Motion* table, const MotionOverride& chosen, F
   }
   result.placement.pose.position += shift;
   result.aligned = true;
+  result.touching = alignment->target == Alignment::Target::contact && norm(shift) == 0;
   Status status = place_motion({{shift, {}}, 1}, result.motion);
   if (status.ok() && result.second) status = place_motion({{shift, {}}, 1}, result.second->motion);
   return status;

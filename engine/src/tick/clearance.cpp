@@ -253,6 +253,17 @@ std::optional<Alignment> parse_alignment(std::string_view text) {
   return text.empty() ? std::optional(alignment) : std::nullopt;
 }
 
+namespace {
+
+std::string names_with_triangles(const std::vector<SceneObject>& objects) {
+  std::string names;
+  for (const SceneObject& object : objects)
+    if (!object.mesh.triangles.empty()) names += (names.empty() ? "" : ", ") + object.name;
+  return names.empty() ? "none" : names;
+}
+
+}  // namespace
+
 Status find_shift(const Scene& scene, const Motion& motion, double seconds, const Alignment& alignment,
                   Vec3& shift) {
   const FloatingPointGuard guard;
@@ -266,7 +277,8 @@ Status find_shift(const Scene& scene, const Motion& motion, double seconds, cons
     if (scene.world)
       return Status::error("a world file has no objects to align a motion to; give a point x,y,z");
     return Status::error("the scene has no object \"" + alignment.object +
-                         "\" with triangles to align a motion to");
+                         "\" with triangles to align a motion to; it has " +
+                         names_with_triangles(scene.objects));
   }
   if (alignment.target == Alignment::Target::contact) {
     Approach approach;
