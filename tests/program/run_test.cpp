@@ -510,6 +510,14 @@ TEST(CommandLine, AFailedRecordingEndsTheSessionOrNotAsAsked) {
   EXPECT_EQ(stopped.exit_code, 2);
   EXPECT_NE(stopped.error.find("a.mcap.part: cannot be written: File too large"), std::string::npos)
       << stopped.error;
+  const std::string holds = "warning: a.mcap.part: holds ";
+  const std::size_t kept = stopped.error.find(holds);
+  ASSERT_NE(kept, std::string::npos) << stopped.error;
+  EXPECT_NE(stopped.error.find("`lumbrical recover a.mcap.part -o"), std::string::npos) << stopped.error;
+  shell("lumbrical recover a.mcap.part -o whole.mcap", folder);
+  std::string ticks = stopped.error.substr(kept + holds.size(), 9);
+  std::erase(ticks, ',');
+  EXPECT_EQ(shell("lumbrical info whole.mcap --json", folder).json()["ticks"], std::stoul(ticks));
   fs::remove(folder / "a.mcap.part");
   const Outcome continued = shell(run + " --on-record-error continue )", folder);
   EXPECT_EQ(continued.exit_code, 2);

@@ -71,7 +71,7 @@ std::string laws(const Settings& settings) {
 
 const char* completeness(const RecordingInfo& info) {
   if (info.growing) return "not yet: it is being recorded, and this is what it holds so far";
-  return info.complete ? "yes" : "no: its writer was killed; recover completes it";
+  return info.complete ? "yes" : "no: its writer was killed, or its disk full; recover completes it";
 }
 
 void add_views(const RecordingInfo& info, const char* interval, const char* what, bool has, Table& table) {

@@ -136,9 +136,10 @@ Status replay_hand(RecordingReader& reader, const std::string& path, const Repla
             brief(per_tick * result.recorded_time) + " us.\n";
   if (measured && !asked && !other) text += "\n" + what_if_text(changes);
   if (!reader.info().complete)
-    text += std::string("The recording has no end (") +
-            (reader.info().growing ? "it is still being recorded" : "its writer was killed") +
-            "): all whole ticks were replayed.\n";
+    text +=
+        std::string("The recording has no end (") +
+        (reader.info().growing ? "it is still being recorded" : "its writer was killed, or its disk full") +
+        "): all whole ticks were replayed.\n";
   if (!result.not_traced.empty()) text += "Nothing was traced: " + result.not_traced + "\n";
   if (replayed.damaged) text += "But the file is not whole: " + result.damage + "\n";
   return {};

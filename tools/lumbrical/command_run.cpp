@@ -5,6 +5,7 @@
 #include <csignal>
 #include <cstdio>
 #include <ctime>
+#include <filesystem>
 #include <memory>
 #include <optional>
 #include <span>
@@ -211,6 +212,14 @@ Status open_session(const RunOptions& options, Session& session) {
   return {};
 }
 
+// Of a recording that failed: what is there.
+void tell_what_is_kept(const std::string& path, std::uint64_t ticks) {
+  std::error_code error;
+  if (ticks == 0 || !std::filesystem::exists(path + ".part", error)) return;
+  warn(path + ".part: holds " + grouped(ticks) + " ticks; `lumbrical recover " + path +
+       ".part -o OTHER.mcap` makes a whole recording of them, where there is room");
+}
+
 Status open_recorder(const RunOptions& options, const std::vector<Model>& models, const DeviceSession* device,
                      Recorder& recorder) {
   RecorderOptions recorder_options;
@@ -278,6 +287,7 @@ int run(const RunOptions& options) {
   if (recording) {
     status = recorder.close();
     statistics.not_recorded = statistics.ticks * hands.size() - recorder.kept();
+    if (!status.ok()) tell_what_is_kept(options.record, recorder.kept());
     if (!status.ok() && !told) return fail(status);
     if (!status.ok() && !unrecorded) return kUnreadable;
   }

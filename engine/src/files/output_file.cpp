@@ -40,7 +40,8 @@ Status part_exists(const std::string& part) {
   if (has_writer(part))
     return Status::error(part + ": is being written by another process; name another file");
   return Status::error(part +
-                       ": is left from a process that was killed, and nothing is written over it; recover it "
+                       ": is left from a process that was killed, or whose disk was full, and nothing is "
+                       "written over it; recover it "
                        "if it is a recording, then move it away");
 }
 
