@@ -136,6 +136,36 @@ TEST(CommandLine, ExportIsSmallAndNumPyReadsItsArchive) {
   EXPECT_FALSE(fs::exists(folder / "none.npz"));
 }
 
+TEST(CommandLine, DiffTellsByHowManyNewtonsForcesDiffer) {
+  const fs::path folder = folder_with_demo();
+  const std::string run = "lumbrical run demo.json --ticks 700 --record ";
+  ASSERT_EQ(shell(run + "a.mcap", folder).exit_code, 0);
+  ASSERT_EQ(shell(run + "b.mcap --stiffness 1e7", folder).exit_code, 0);
+  ASSERT_EQ(shell(run + "c.mcap --stiffness 1e7 --record-forces none", folder).exit_code, 0);
+  const Outcome text = shell("lumbrical diff a.mcap b.mcap", folder);
+  EXPECT_EQ(text.exit_code, 3);
+  EXPECT_NE(text.output.find("The hand's force differs by up to "), std::string::npos) << text.output;
+  const nlohmann::json forces =
+      shell("lumbrical diff a.mcap b.mcap --json", folder).json()["force_difference"];
+  EXPECT_EQ(forces["ticks"], 700);
+  EXPECT_GT(forces["max"], 0.1);
+  EXPECT_GT(forces["max_tick"], 0);
+  EXPECT_EQ(forces["side"], "right");
+  EXPECT_TRUE(shell("lumbrical diff a.mcap a.mcap --json", folder).json()["force_difference"].is_null());
+  EXPECT_NE(shell("lumbrical diff a.mcap c.mcap", folder).output.find("No tick has its forces in both."),
+            std::string::npos);
+}
+
+TEST(CommandLine, OneTickIsNotManyAndAWhatIfSaysWristAsRunDoes) {
+  const fs::path folder = folder_with_demo();
+  ASSERT_EQ(shell("lumbrical run demo.json --ticks 1 --record one.mcap", folder).exit_code, 0);
+  EXPECT_EQ(shell("lumbrical replay one.mcap", folder).output.find("Identical: 1 tick replayed"), 0u);
+  ASSERT_EQ(shell("lumbrical run demo.json --ticks 400 --record a.mcap", folder).exit_code, 0);
+  const std::string text = shell("lumbrical replay a.mcap --stiffness 1e7", folder).output;
+  EXPECT_NE(text.find("most at the wrist: "), std::string::npos) << text;
+  EXPECT_EQ(text.find("\n\n"), std::string::npos) << text;
+}
+
 TEST(CommandLine, ExportTakesTheFormatFromTheEndingOfItsFile) {
   const fs::path folder = folder_with_demo();
   ASSERT_EQ(shell("lumbrical run demo.json --ticks 10 --record a.mcap", folder).exit_code, 0);

@@ -5,6 +5,7 @@
 
 #include "commands.h"
 #include "divergence.h"
+#include "lumbrical/math.h"
 #include "lumbrical/recording.h"
 #include "output.h"
 
@@ -16,6 +17,66 @@ struct DiffOptions {
   std::string a, b;
   bool json = false;
 };
+
+// By how much the hand's force differs, over the ticks that both have with their forces.
+struct ForceDifference {
+  std::uint64_t ticks = 0, max_tick = 0;
+  double max = 0;  // [N]
+  std::string side;
+};
+
+Vec3 force_of(const TickRecord& record) {
+  Vec3 force;
+  for (const Wrench& wrench : record.output.segment) force += wrench.force;
+  return force;
+}
+
+Status compare_forces(RecordingReader& a, RecordingReader& b, ForceDifference& difference) {
+  for (RecordingReader* const reader : {&a, &b})
+    if (Status status = reader->seek(reader->info().first_tick); !status.ok()) return status;
+  TickRecord one, other;
+  bool end = false;
+  // What cannot be read to its end is told where the recordings part.
+  const auto next = [&end](RecordingReader& reader, TickRecord& record) {
+    return reader.next(record, end).ok() && !end;
+  };
+  bool more = next(a, one) && next(b, other);
+  while (more) {
+    if (one.output.tick != other.output.tick) {
+      const bool behind = one.output.tick < other.output.tick;
+      more = behind ? next(a, one) : next(b, other);
+      continue;
+    }
+    if (one.has_forces && other.has_forces) {
+      ++difference.ticks;
+      const double newtons = norm(force_of(one) - force_of(other));
+      if (newtons > difference.max) {
+        difference.max = newtons;
+        difference.max_tick = one.output.tick;
+        difference.side = side_name(a.scene().hand.side);
+      }
+    }
+    more = next(a, one) && next(b, other);
+  }
+  return {};
+}
+
+Json force_json(const ForceDifference& difference) {
+  if (difference.ticks == 0) return nullptr;
+  return {{"ticks", difference.ticks},
+          {"max", difference.max},
+          {"max_tick", difference.max_tick},
+          {"side", difference.max > 0 ? Json(difference.side) : Json(nullptr)}};
+}
+
+std::string force_text(const ForceDifference& difference) {
+  if (difference.ticks == 0) return "No tick has its forces in both.\n";
+  const std::string compared =
+      difference.ticks == 1 ? "the tick" : "the " + grouped(difference.ticks) + " ticks";
+  if (!(difference.max > 0)) return "The hand's force is the same in " + compared + " that both have.\n";
+  return "The hand's force differs by up to " + brief(difference.max) + " N, in tick " +
+         grouped(difference.max_tick) + ", over " + compared + " that both have.\n";
+}
 
 int diff(const DiffOptions& options) {
   std::vector<RecordingReader> a, b;
@@ -34,8 +95,16 @@ int diff(const DiffOptions& options) {
   }
   Json json = divergence_json(result);
   if (!side.empty()) json["first_divergence"]["side"] = side;
-  const std::string text =
+  std::string text =
       (side.empty() ? "" : "The " + side + " hand:\n") + divergence_text(result, "compared", a.size() > 1);
+  json["force_difference"] = nullptr;
+  if (result.first_divergence) {
+    ForceDifference forces;
+    for (std::size_t hand = 0; hand < a.size(); ++hand)
+      if (Status status = compare_forces(a[hand], b[hand], forces); !status.ok()) return fail(status);
+    json["force_difference"] = force_json(forces);
+    text += force_text(forces);
+  }
   const int printed = options.json ? print_json(json) : print_text(text);
   if (printed != kDone) return printed;
   return result.first_divergence ? kDiverged : kDone;

@@ -129,7 +129,8 @@ Status replay_hand(RecordingReader& reader, const std::string& path, const Repla
   if (other)
     text += "Recorded by other arithmetic (" + *other + ", here " + std::string(arithmetic_version()) +
             "): the same bits are not promised.\n";
-  if (asked || other) text += what_if_text(changes) + "\n";
+  if (asked || other) text += what_if_text(changes);
+  if (other) text += "\n";
   if (!asked) text += divergence_text(result, "replayed");
   if (!asked && !result.first_divergence)
     text += "Mean tick time " + brief(per_tick * result.replayed_time) + " us, when recorded " +

@@ -34,7 +34,8 @@ Json divergence_json(const ReplayResult& result) {
 }
 
 std::string divergence_text(const ReplayResult& result, const std::string& verb, bool both_hands) {
-  const std::string ticks = grouped(result.ticks) + " ticks " + (both_hands ? "of both hands " : "") + verb;
+  const std::string ticks = grouped(result.ticks) + (result.ticks == 1 ? " tick " : " ticks ") +
+                            (both_hands ? "of both hands " : "") + verb;
   if (!result.first_divergence) return "Identical: " + ticks + ", every bit the same.\n";
   const Divergence& first = *result.first_divergence;
   Table table;

@@ -80,8 +80,9 @@ std::string what_if_text(const WhatIfResult& result) {
                   " ticks");
   }
   const std::size_t joint = most_changed(result);
-  table.add("torque changes by", "most at the base of " + std::string(segment_name(static_cast<int>(joint))) +
-                                     ": max " + brief(1e3 * result.torque[joint].max) + " N mm, RMS " +
+  const std::string name(segment_name(static_cast<int>(joint)));
+  table.add("torque changes by", "most at the " + (name == "palm" ? "wrist" : "base of " + name) + ": max " +
+                                     brief(1e3 * result.torque[joint].max) + " N mm, RMS " +
                                      brief(1e3 * result.torque[joint].rms) + " N mm");
   table.add("mean tick time", brief(kMicroseconds * result.changed_time) + " us, unchanged " +
                                   brief(kMicroseconds * result.baseline_time) + " us, when recorded " +
