@@ -14,7 +14,7 @@ static class Embed
     static unsafe int Main(string[] arguments)
     {
         IntPtr scene, model, session;
-        Check(lumbrical_scene_load(arguments[0], out scene));
+        Check(lumbrical_scene_load(arguments.Length > 0 ? arguments[0] : "cup.json", out scene));
         Check(lumbrical_model_build(scene, IntPtr.Zero, out model));
         Check(lumbrical_session_create(model, out session));
         var frame = new Frame();

@@ -103,7 +103,7 @@ void add_merge_results(Command& app, int& exit_code) {
       ->type_name("LIST");
   command
       ->add_option(
-          "--output", switches->output,
+          "--output,-o", switches->output,
           "All of them, the newest of each recording or scene, by name; in the place of a file that is there")
       ->check(is_file())
       ->type_name("ALL.jsonl");
