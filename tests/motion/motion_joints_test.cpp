@@ -240,7 +240,8 @@ TEST(LeapMotion, SaysWhatIsWrong) {
   const std::string good = leap_file({leap_frame(0, leap_hand(3, Side::right), leap_fingers(poses, 3))});
   expect_refused("{\"frames\": \"N4IgZg\"}", "LZ-compressed");
   expect_refused("N4IgZgLghgTg1gUwHYGcIC4QBMCuBbEAGhABcBPAByQgGEB7AdwGMBLAZxgBcp", "LZ-compressed");
-  expect_refused("{\"frames\": []}", "array of frames");
+  expect_refused("{\"frames\": []}", "\"frames\" is empty");
+  expect_refused("{\"frames\": 5}", "array of frames");
   expect_refused(replaced(good, "\"timestamp\": 0", "\"timestamp\": null"), "frame 0: \"timestamp\"");
   expect_refused(replaced(good, "palmNormal", "normal"), "frame 0: the hand's");
   expect_refused(replaced(good, "dipPosition", "dip"), "frame 0: thumb: \"dipPosition\"");

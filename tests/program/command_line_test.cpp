@@ -19,6 +19,8 @@ TEST(CommandLine, HelpAndVersionSucceed) {
     const Outcome outcome = shell("lumbrical " + std::string(command) + " --help", folder);
     EXPECT_EQ(outcome.exit_code, 0) << command;
     EXPECT_FALSE(outcome.output.empty());
+    for (const char* const type : {"FILE:FILE", ":NUMBER", "TEXT:", ":ALIGNMENT"})
+      EXPECT_EQ(outcome.output.find(type), std::string::npos) << command << ' ' << type;
   }
 }
 

@@ -206,7 +206,8 @@ Status parse_leap(const json& root, std::size_t size, const std::string& name, c
   motion.format = "leapjs";
   const json& frames = *find_member(root, "frames");
   if (frames.is_string()) return refuse(name, "the LeapJS frames are LZ-compressed; save them uncompressed");
-  if (!frames.is_array() || frames.empty()) return refuse(name, "\"frames\" must be an array of frames");
+  if (frames.is_array() && frames.empty()) return refuse(name, "\"frames\" is empty; record the hand again");
+  if (!frames.is_array()) return refuse(name, "\"frames\" must be an array of frames");
   if (static_cast<double>(frames.size()) > max(kMostShortFrames, static_cast<double>(size) / kShortFrame))
     return refuse(name, "more than 65536 frames of less than 32 bytes; save the hands too");
   const bool packed = is_layout(frames[0]);
