@@ -383,7 +383,9 @@ void bind_meshes(py::module_& module) {
   module.def("make_box", &box_of, "size"_a, "cells"_a);
   module.def("make_sphere", &sphere_of, "radius"_a, "cells"_a);
   module.def("probe", &run_probe, "vertices"_a, "triangles"_a, "spheres"_a = py::none(),
-             "capsules"_a = py::none(), "cylinders"_a = py::none(), "law"_a = "field", "stiffness"_a = 2e7);
+             "capsules"_a = py::none(), "cylinders"_a = py::none(), "law"_a = "field", "stiffness"_a = 2e7,
+             "Of dtype probe_dtype. Rows: spheres x y z r; capsules x y z r of both ends; cylinders two ends "
+             "and r.");
 }
 
 }  // namespace

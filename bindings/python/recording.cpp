@@ -232,22 +232,30 @@ py::dict run_what_if(const Path& path, std::optional<double> stiffness, const st
 
 void bind_recording(py::module_& module) {
   using namespace py::literals;
-  py::class_<Recording>(module, "Recording")
+  py::class_<Recording>(module, "Recording", "A recorded session; of one of two hands, side says which.")
       .def(py::init<const Path&, const std::optional<std::string>&>(), "path"_a, "side"_a = py::none())
       .def_property_readonly("info", &info)
       .def("read", &read, "first"_a = 0u, "last"_a = py::none(), "step"_a = 1u)
-      .def("read_objects", &read_objects, "first"_a = 0u, "last"_a = py::none(), "step"_a = 1u)
-      .def("read_given", &read_given, "first"_a = 0u, "last"_a = py::none(), "step"_a = 1u)
+      .def("read_objects", &read_objects, "first"_a = 0u, "last"_a = py::none(), "step"_a = 1u,
+           "(ticks, objects felt apart) of object_dtype.")
+      .def("read_given", &read_given, "first"_a = 0u, "last"_a = py::none(), "step"_a = 1u,
+           "(ticks, given objects) of pose_dtype: what Session.run takes with the frames of the same ticks, "
+           "to the same bits.")
       .def("model", &model_of, py::kw_only(), "world"_a = py::none(), "threads"_a = 1u,
            "broadphase"_a = "auto")
       .def("close", &Recording::close)
       .def("__enter__", [](py::object self) { return self; })
       .def("__exit__", [](Recording& self, const py::args&) { self.close(); });
   module.def("replay", &run_replay, "path"_a, py::kw_only(), "world"_a = py::none(), "threads"_a = 1u,
-             "broadphase"_a = "auto");
+             "broadphase"_a = "auto",
+             "\"damage\" says what is wrong with the file, whatever \"identical\" says of the ticks that can "
+             "be read; "
+             "None: nothing.");
   module.def("what_if", &run_what_if, "path"_a, py::kw_only(), "stiffness"_a = py::none(),
              "law"_a = py::none(), "precision"_a = py::none(), "side"_a = py::none(), "world"_a = py::none(),
-             "threads"_a = 1u);
+             "threads"_a = 1u,
+             "Of one hand: a session of two has none to answer for both, so side says which, \"left\" or "
+             "\"right\".");
 }
 
 }  // namespace lumbrical::python

@@ -232,7 +232,8 @@ py::list object_names(const PyModel& self) {
 // Read only, so that nobody writes into the copy that scene.ground gives.
 void bind_ground(py::module_& module) {
   using namespace py::literals;
-  py::class_<Ground>(module, "Ground")
+  py::class_<Ground>(module, "Ground",
+                     "A plane that free objects rest on, normal . p = offset; the hand does not feel it.")
       .def(py::init([](const py::object& normal, double offset, double friction) {
              return Ground{unit_or(vec3_of(normal, "normal"), {}), offset, friction};
            }),
@@ -341,7 +342,7 @@ void bind_scene(py::module_& module) {
   using namespace py::literals;
   const Mechanism mechanism;
   bind_ground(module);
-  py::class_<PyScene> scene(module, "Scene");
+  py::class_<PyScene> scene(module, "Scene", "What is touched, by which hand, and how forces are computed.");
   scene.def(py::init(&new_scene), "side"_a = "right", "hand_length"_a = 0.19);
   scene.def_static("load", &load, "path"_a);
   scene.def(
@@ -370,8 +371,10 @@ void bind_scene(py::module_& module) {
       "latch_object"_a = py::none(), "latch_opens"_a = 0.0, "crease_angle"_a = 0.0,
       "friction_factors"_a = py::none(), "grip"_a = py::none(), "bumps"_a = py::none());
   scene.def("__repr__", [](const PyScene& self) { return described(self); });
-  scene.def("frames", &motion_frames);
-  scene.def("fit_hand", &fit_hand_of, "frame"_a, "radii"_a = py::none());
+  scene.def("frames", &motion_frames, "the scene file's motion, a frame per tick");
+  scene.def("fit_hand", &fit_hand_of, "frame"_a, "radii"_a = py::none(),
+            "The palm of a frame of pose_frames in which all joints are tracked, and radii (26,) [m], 0 "
+            "where unknown.");
   bind_number(scene, "stiffness", &Settings::stiffness);
   bind_number(scene, "rate", &Settings::rate);
   bind_number(scene, "point_area", &Settings::point_area);
@@ -408,11 +411,12 @@ void bind_scene(py::module_& module) {
       });
   scene.def_property_readonly("side", [](const PyScene& self) { return side_name(self.scene.hand.side); });
 
-  py::class_<PyModel, std::shared_ptr<PyModel>> model(module, "Model");
+  py::class_<PyModel, std::shared_ptr<PyModel>> model(
+      module, "Model", "A scene built for ticks: immutable, for any number of sessions and threads.");
   model.def(py::init(&build), "scene"_a, py::kw_only(), "threads"_a = py::none(), "broadphase"_a = py::none(),
             "isa"_a = "auto");
   model.def("__repr__", [](const PyModel& self) { return described(self); });
-  model.def("share", &share, "scene"_a);
+  model.def("share", &share, "scene"_a, "this world for another hand, that of `scene`");
   model.def_property_readonly("vertices", &vertices);
   model.def_property_readonly("triangles", &triangles);
   model.def_property_readonly("object_names", &object_names);

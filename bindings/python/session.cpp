@@ -243,16 +243,25 @@ py::array run_batch(Batch& self, const py::object& given_frames, std::uint32_t t
 }  // namespace
 
 void bind_session(py::module_& module) {
+  const char* const kOutputs =
+      "An output, of output_dtype, for each frame, of frame_dtype. given: of pose_dtype, (frames, given "
+      "objects), in the "
+      "order in which they were added; (given objects,) for one frame, (frames,) for one object.";
   using namespace py::literals;
-  py::class_<State>(module, "State")
+  py::class_<State>(module, "State", "What one tick leaves for the next.")
       .def_readonly("tick", &HandState::tick)
       .def_property_readonly("hash", &hash_state);
 
-  py::class_<Session>(module, "Session")
+  py::class_<Session>(module, "Session", "One hand in the world of a model, tick by tick.")
       .def(py::init<PyModel&>(), "model"_a)
-      .def("tick", &run_one, "frame"_a, "given"_a = py::none())
-      .def("run", &run, "frames"_a, "given"_a = py::none())
-      .def("contacts", &contacts)
+      .def("tick", &run_one, "frame"_a, "given"_a = py::none(), kOutputs)
+      .def("run", &run, "frames"_a, "given"_a = py::none(), kOutputs)
+      .def("contacts", &contacts,
+           "Of contact_dtype, in W, of the last tick: \"object\" counts in Model.object_names. A contact's "
+           "\"force\" "
+           "is the pressure on its triangle alone: friction, bumps, pads' layers and damping are in outputs, "
+           "and "
+           "limits and fading besides.")
       .def("jacobians", &jacobians, "segments"_a = 0xffffu)
       .def_property_readonly("objects",
                              [](const py::object& self) {
@@ -273,7 +282,8 @@ void bind_session(py::module_& module) {
       .def("record", &record, "path"_a, py::kw_only(), "force_interval"_a = 1u)
       .def("stop_recording", &stop_recording);
 
-  py::class_<Batch>(module, "Batch")
+  py::class_<Batch>(module, "Batch",
+                    "Many hands that have nothing to do with each other, in the world of a model.")
       .def(py::init<PyModel&, std::size_t>(), "model"_a, "count"_a)
       .def("tick", &run_batch, "frames"_a, "threads"_a = 0u)
       .def("__len__", [](const Batch& self) { return self.states.size(); });

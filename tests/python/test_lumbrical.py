@@ -478,3 +478,16 @@ def test_the_stubs_name_what_is_there():
             wanted = names(node.body)
             assert wanted - {"__init__"} == there | special - {"__init__"}, node.name
     assert os.path.exists(os.path.join(folder, "py.typed"))
+
+
+def test_help_says_what_the_stubs_say():
+    import re
+    with open(os.path.join(os.path.dirname(lum.__file__), "__init__.pyi")) as file:
+        said = " ".join(re.findall("# (.*)", file.read()))
+    methods = (lum.Scene.frames, lum.Scene.fit_hand, lum.Model.share, lum.Session.tick, lum.Session.run,
+               lum.Session.contacts, lum.Recording.read_objects, lum.Recording.read_given, lum.replay, lum.what_if,
+               lum.probe)
+    for method in methods:  # whose first line is the signature
+        assert method.__doc__.split("\n\n", 1)[1].strip() in said, method
+    for kind in (lum.Ground, lum.Scene, lum.Model, lum.State, lum.Session, lum.Batch, lum.Recording):
+        assert kind.__doc__ in said and kind.__doc__, kind

@@ -52,6 +52,7 @@ class Ground:
     @property
     def friction(self) -> float: ...  # 0 .. 10
 
+# What is touched, by which hand, and how forces are computed.
 class Scene:
     stiffness: float  # [N/m^3]
     rate: float  # [Hz]
@@ -105,6 +106,7 @@ class Scene:
     @property
     def side(self) -> str: ...
 
+# A scene built for ticks: immutable, for any number of sessions and threads.
 class Model:
     def __init__(self, scene: Scene, *, threads: Optional[int] = ..., broadphase: Optional[str] = ...,
                  isa: str = ...) -> None: ...
@@ -120,15 +122,18 @@ class Model:
     @property
     def side(self) -> str: ...
 
+# What one tick leaves for the next.
 class State:
     @property
     def tick(self) -> int: ...
     @property
     def hash(self) -> int: ...
 
+# One hand in the world of a model, tick by tick.
 class Session:
     state: State  # a copy; set it to go back
     def __init__(self, model: Model) -> None: ...
+    # An output, of output_dtype, for each frame, of frame_dtype.
     # given: of pose_dtype, (frames, given objects), in the order in which they were added; (given objects,) for one
     # frame, (frames,) for one object.
     def tick(self, frame: Union[NDArray[np.void], np.void],
@@ -145,11 +150,13 @@ class Session:
     def record(self, path: Path, *, force_interval: int = ...) -> None: ...
     def stop_recording(self) -> int: ...
 
+# Many hands that have nothing to do with each other, in the world of a model.
 class Batch:
     def __init__(self, model: Model, count: int) -> None: ...
     def tick(self, frames: NDArray[np.void], threads: int = ...) -> NDArray[np.void]: ...  # threads 0: all cores
     def __len__(self) -> int: ...
 
+# A recorded session; of one of two hands, side says which.
 class Recording:
     def __init__(self, path: Path, side: Optional[str] = ...) -> None: ...
     @property
