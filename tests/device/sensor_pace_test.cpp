@@ -8,7 +8,7 @@
 namespace lumbrical {
 namespace {
 
-constexpr std::int64_t kMillisecond = 1000000;
+constexpr std::int64_t kTick = 1000000;  // [ns]
 
 // Of a joint that swings once a second, told anew every `held` milliseconds and asked for every `bus`.
 AnglePace paced(int held, int bus, double swing, double step) {
@@ -16,7 +16,7 @@ AnglePace paced(int held, int bus, double swing, double step) {
   for (int t = 1; t < 2000; t += bus) {
     const double at = swing * std::sin(6.28e-3 * (t - t % held));
     const double told = step > 0 ? step * std::floor(at / step) : at;
-    note_angle(static_cast<float>(told), t * kMillisecond, step, pace);
+    note_angle(static_cast<float>(told), t * kTick, step, pace);
   }
   return pace;
 }
