@@ -67,10 +67,11 @@ bool keep_effort(const Effort& effort, std::uint64_t most, LevelWeights& weights
 
 double one_cell_share(const Effort& effort, std::uint64_t most) {
   if (most == 0) return 0;
+  const std::uint64_t coarsest = effort.always + effort.level[0];
+  if (coarsest == effort.one_cell) return coarsest > most ? 1 : 0;  // they are the same lattices
   if (most <= effort.one_cell) return 1;
-  const auto coarsest = static_cast<double>(effort.always + effort.level[0]),
-             left = static_cast<double>(most - effort.one_cell);
-  return clamp((coarsest / left - kNearly) / (1 - kNearly), 0, 1);
+  const double share = static_cast<double>(coarsest) / static_cast<double>(most - effort.one_cell);
+  return clamp((share - kNearly) / (1 - kNearly), 0, 1);
 }
 
 double error_factor_of(const LevelWeights& weights, double force) {
