@@ -133,7 +133,7 @@ const Primitives& placed_hand() {
 std::vector<fb::Vec3> tracked_joints() {
   if (!scratch.proxy || !is_placed()) return {};
   Primitives tracked;
-  place_hand(model.hand, model.settings, record.device, tracked);
+  static_cast<void>(place_hand(model.hand, model.settings, record.device, tracked));
   return joint_positions(tracked.joints);
 }
 
