@@ -249,8 +249,7 @@ void bind_recording(py::module_& module) {
   module.def("replay", &run_replay, "path"_a, py::kw_only(), "world"_a = py::none(), "threads"_a = 1u,
              "broadphase"_a = "auto",
              "\"damage\" says what is wrong with the file, whatever \"identical\" says of the ticks that can "
-             "be read; "
-             "None: nothing.");
+             "be read; None: nothing.");
   module.def("what_if", &run_what_if, "path"_a, py::kw_only(), "stiffness"_a = py::none(),
              "law"_a = py::none(), "precision"_a = py::none(), "side"_a = py::none(), "world"_a = py::none(),
              "threads"_a = 1u,

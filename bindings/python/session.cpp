@@ -245,8 +245,8 @@ py::array run_batch(Batch& self, const py::object& given_frames, std::uint32_t t
 void bind_session(py::module_& module) {
   const char* const kOutputs =
       "An output, of output_dtype, for each frame, of frame_dtype. given: of pose_dtype, (frames, given "
-      "objects), in the "
-      "order in which they were added; (given objects,) for one frame, (frames,) for one object.";
+      "objects), in the order in which they were added; (given objects,) for one frame, (frames,) for one "
+      "object.";
   using namespace py::literals;
   py::class_<State>(module, "State", "What one tick leaves for the next.")
       .def_readonly("tick", &HandState::tick)
@@ -256,12 +256,11 @@ void bind_session(py::module_& module) {
       .def(py::init<PyModel&>(), "model"_a)
       .def("tick", &run_one, "frame"_a, "given"_a = py::none(), kOutputs)
       .def("run", &run, "frames"_a, "given"_a = py::none(), kOutputs)
-      .def("contacts", &contacts,
-           "Of contact_dtype, in W, of the last tick: \"object\" counts in Model.object_names. A contact's "
-           "\"force\" "
-           "is the pressure on its triangle alone: friction, bumps, pads' layers and damping are in outputs, "
-           "and "
-           "limits and fading besides.")
+      .def(
+          "contacts", &contacts,
+          "Of contact_dtype, in W, of the last tick: \"object\" counts in Model.object_names. A contact's "
+          "\"force\" is the pressure on its triangle alone: friction, bumps, pads' layers and damping are in "
+          "outputs, and limits and fading besides.")
       .def("jacobians", &jacobians, "segments"_a = 0xffffu)
       .def_property_readonly("objects",
                              [](const py::object& self) {

@@ -98,22 +98,27 @@ TEST(Safety, ANotReadyDeviceIsNotArmed) {
   EXPECT_EQ(loop.memory.state, SafetyState::idle);
 }
 
-// Its drives have let go: what they were told would come again in one step.
-TEST(Safety, ADeviceThatIsNotReadyAnyMoreIsLetGoOfAndArmedAgainSoftlyOnlyIfTold) {
+// Where an input ends for a while that forces need.
+void expect_goes_on_softly_only_if_told(bool SafetyInputs::*needed, SafetyState without, SafetyFlag flag) {
   for (const bool continues : {false, true}) {
     Loop loop;
     loop.inputs.continue_after_loss = continues;
     loop.activate();
-    loop.inputs.device_ready = false;
+    loop.inputs.*needed = false;
     loop.expect_fades();
-    EXPECT_EQ(loop.memory.state, SafetyState::idle);
-    EXPECT_EQ(loop.output.flags & kNotReady, kNotReady);
+    EXPECT_EQ(loop.memory.state, without);
+    EXPECT_EQ(loop.output.flags & flag, flag);
     EXPECT_FALSE(loop.output.device_on);
-    loop.inputs.device_ready = true;
+    loop.inputs.*needed = true;
     loop.step(3);
     EXPECT_EQ(loop.memory.state, continues ? SafetyState::active : SafetyState::idle);
     EXPECT_LT(loop.output.command[0], 0.002) << "and softly";
   }
+}
+
+// Its drives have let go: what they were told would come again in one step.
+TEST(Safety, ADeviceThatIsNotReadyAnyMoreIsLetGoOfAndArmedAgainSoftlyOnlyIfTold) {
+  expect_goes_on_softly_only_if_told(&SafetyInputs::device_ready, SafetyState::idle, kNotReady);
 }
 
 TEST(Safety, ADeviceThatIsNotReadyAnyMoreWaitsForNoDeadManSwitch) {
@@ -342,19 +347,7 @@ TEST(Safety, WhatAnotherLeftIsLetGoOfEvenly) {
 }
 
 TEST(Safety, AfterALostLinkItContinuesOnlyIfTold) {
-  for (const bool continues : {false, true}) {
-    Loop loop;
-    loop.inputs.continue_after_loss = continues;
-    loop.activate();
-    loop.inputs.connected = false;
-    loop.expect_fades();
-    EXPECT_EQ(loop.memory.state, SafetyState::disconnected);
-    EXPECT_EQ(loop.output.flags & kAnswerLost, kAnswerLost);
-    loop.inputs.connected = true;
-    loop.step(3);
-    EXPECT_EQ(loop.memory.state, continues ? SafetyState::active : SafetyState::idle);
-    EXPECT_LT(loop.output.command[0], 0.002) << "and softly";
-  }
+  expect_goes_on_softly_only_if_told(&SafetyInputs::connected, SafetyState::disconnected, kAnswerLost);
 }
 
 TEST(Safety, AStopDuringALostLinkIsNotForgotten) {

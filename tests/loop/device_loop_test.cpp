@@ -140,6 +140,15 @@ class DeviceLoopTest : public ::testing::Test {
     step_loop(model, scratch, feel, link, control, next);
     return next;
   }
+  void step_through(DeviceLink& link, HapticLoop& control, int count) {
+    for (; count > 0; --count) step_through(link, control);
+  }
+  // A loop without limiter and accounts.
+  HapticLoop plain_loop() const {
+    LoopOptions options;
+    options.limiter = options.account = false;
+    return start_loop(profile, options);
+  }
   double told() const {
     double sum = 0;
     for (std::size_t i = 0; i < profile.actuators.size(); ++i) sum += std::fabs(device.value[i]);
@@ -624,9 +633,7 @@ class SteadyLink final : public DeviceLink {
 
 TEST_F(DeviceLoopTest, ForcesComeBackSoftlyAfterAnAngleThatCannotBeAlsoWithoutLimiterAndAccounts) {
   profile.safety.soft_start = 0.5;
-  LoopOptions options;
-  options.limiter = options.account = false;
-  HapticLoop control = start_loop(profile, options);
+  HapticLoop control = plain_loop();
   SteadyLink link(profile);
   double largest_rise = 0;
   const auto steps = [&](int count) {
@@ -652,22 +659,17 @@ TEST_F(DeviceLoopTest, ForcesComeBackSoftlyAfterAnAngleThatCannotBeAlsoWithoutLi
 // What is let go of by a time constant is never quite gone.
 TEST_F(DeviceLoopTest, ForcesComeBackAfterAnglesWereStaleAlsoWhileTheTouchGoesOn) {
   profile.safety.tick_hold = 0.02;
-  LoopOptions options;
-  options.limiter = options.account = false;
-  HapticLoop control = start_loop(profile, options);
+  HapticLoop control = plain_loop();
   SteadyLink link(profile);
-  const auto steps = [&](int count) {
-    for (; count > 0; --count) step_through(link, control);
-  };
-  steps(1000);
+  step_through(link, control, 1000);
   const double whole = link.torque;
   ASSERT_GT(whole, 0);
   link.silent = true;
-  steps(1500);
+  step_through(link, control, 1500);
   EXPECT_LT(link.torque, 0.01 * whole);
   EXPECT_EQ(control.gaps, 1u);
   link.silent = false;
-  steps(1000);
+  step_through(link, control, 1000);
   EXPECT_NEAR(link.torque, whole, 1e-6 * whole);
 }
 
@@ -716,7 +718,7 @@ TEST_F(DeviceLoopTest, AWayThatIsToldLateTookAllOfTheTimeSinceTheAngleChanged) {
   HapticLoop control = start_loop(profile, {});
   certify_loop(control);
   SteadyLink link(profile);
-  for (int i = 0; i < 20; ++i) step_through(link, control);
+  step_through(link, control, 20);
   EXPECT_NEAR(control.still[3], 0.019, 1.1e-3);
   link.off = 0.01f;
   step_through(link, control);

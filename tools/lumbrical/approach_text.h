@@ -33,7 +33,6 @@ std::string pose_text(const Pose& pose);
 /// Of SceneFile::touching.
 inline constexpr const char* kTouching =
     "not moved: the hand is inside an object already, and contact moves a hand until it touches; align it by "
-    "top "
-    "or x,y,z";
+    "top or x,y,z";
 
 }  // namespace lumbrical::tool

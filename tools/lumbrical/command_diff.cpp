@@ -5,7 +5,7 @@
 
 #include "commands.h"
 #include "divergence.h"
-#include "lumbrical/math.h"
+#include "hand_force.h"
 #include "lumbrical/recording.h"
 #include "output.h"
 
@@ -25,12 +25,6 @@ struct ForceDifference {
   std::string side;
 };
 
-Vec3 force_of(const TickRecord& record) {
-  Vec3 force;
-  for (const Wrench& wrench : record.output.segment) force += wrench.force;
-  return force;
-}
-
 Status compare_forces(RecordingReader& a, RecordingReader& b, ForceDifference& difference) {
   for (RecordingReader* const reader : {&a, &b})
     if (Status status = reader->seek(reader->info().first_tick); !status.ok()) return status;
@@ -49,7 +43,7 @@ Status compare_forces(RecordingReader& a, RecordingReader& b, ForceDifference& d
     }
     if (one.has_forces && other.has_forces) {
       ++difference.ticks;
-      const double newtons = norm(force_of(one) - force_of(other));
+      const double newtons = norm(hand_force(one.output) - hand_force(other.output));
       if (newtons > difference.max) {
         difference.max = newtons;
         difference.max_tick = one.output.tick;

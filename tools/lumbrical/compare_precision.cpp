@@ -5,6 +5,8 @@
 #include <array>
 #include <chrono>
 
+#include "hand_force.h"
+
 namespace lumbrical::tool {
 namespace {
 
@@ -19,12 +21,6 @@ struct Rung {
   ActuatorFrame output;
   std::vector<double> microseconds, hand_error, segment_error;
 };
-
-Vec3 hand_force(const ActuatorFrame& output) {
-  Vec3 sum;
-  for (const Wrench& wrench : output.segment) sum += wrench.force;
-  return sum;
-}
 
 double share_of(std::vector<double>& values, double share) {
   if (values.empty()) return 0;

@@ -68,8 +68,7 @@ struct HapticLoop {
   bool base_known = false;  ///< the tick before knew it
   double gain = 1;          ///< of the soft start after a gap
   double settling = 0;      ///< [s] until it may grow again
-  bool letting_go =
-      false;  ///< some finger still gets clearly more than gain and limiter say, so as not to fall
+  bool letting_go = false;  ///< some finger still gets clearly more than gain and limiter say: none falls
   /// Share of its touch that each finger gets: gain, limiter and account, but no less than lets go of what
   /// the last command gave without a kick.
   std::array<double, kFingerCount> level{};

@@ -109,8 +109,7 @@ void begin_letting_go(SafetyMemory& memory);
 ///   back by soft start only, kSettling after it is gone, and where the one before was not yet back at half
 ///   its pace (kSlowest at most); what a gap would have taken goes at the pace at which it comes back;
 /// - a device that is not ready is neither armed nor active: it has let go, and what acted would come again
-/// in
-///   one step;
+///   in one step;
 /// - a latched fault is left only by `reset` with its cause gone, and then only to idle.
 SafetyOutput step_safety(const DeviceProfile& profile, const SafetyInputs& inputs, SafetyMemory& memory);
 

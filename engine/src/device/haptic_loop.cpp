@@ -169,18 +169,21 @@ void keep_levels(const ActuatorFrame& output, HapticLoop& loop) {
   for (std::size_t f = 0; f < kFingerCount; ++f) given.torque[f] = loop.level[f] * touch_of(output, f);
 }
 
+std::size_t told_actuators(const SentCommand& sent, const DeviceProfile& profile) {
+  return std::min<std::size_t>(sent.actuator_count, profile.actuators.size());
+}
+
 // What a tick wanted is not what was given while nothing but safe values were sent, before arming say.
 bool gives_nothing(const SentCommand& sent, const DeviceProfile& profile) {
-  const std::size_t count = std::min<std::size_t>(sent.actuator_count, profile.actuators.size());
+  const std::size_t count = told_actuators(sent, profile);
   for (std::size_t i = 0; i < count; ++i)
     if (sent.value[i] != profile.actuators[i].safe) return false;
   return count > 0;
 }
 
 void note_told_torque(const SentCommand& sent, HapticLoop& loop) {
-  const std::size_t count = std::min<std::size_t>(sent.actuator_count, loop.profile.actuators.size());
   JointArray torque{};
-  for (std::size_t i = 0; i < count; ++i)
+  for (std::size_t i = 0; i < told_actuators(sent, loop.profile); ++i)
     for (std::size_t j = 0; j < kPhalanxCount; ++j)
       torque[j] += acted_on(loop.profile.actuators[i], sent.value[i], j, 1, 0);
   for (std::size_t j = 0; j < kPhalanxCount; ++j)

@@ -272,18 +272,18 @@ void DeviceSink::Worker::take_angles(DeviceFeedback& feedback) const {
 void DeviceSink::Worker::note_pace(const DeviceFeedback& feedback) {
   for (const Sensor& sensor : profile.sensors) {
     const auto a = static_cast<std::size_t>(sensor.angle);
-    const std::uint32_t bit = 1u << a;
-    if ((feedback.valid & bit) == 0 || (slow_told & bit) != 0) continue;
-    note_angle(feedback.angle[a], feedback.asked, profile.dynamics[sensed_joint(sensor)].encoder_step,
-               pace[a]);
+    if (!has_bit(feedback.valid, a) || has_bit(slow_told, a)) continue;
+    const std::size_t joint = sensed_joint(sensor);
+    note_angle(feedback.angle[a], feedback.asked, profile.dynamics[joint].encoder_step, pace[a]);
     const double slow = slow_pace(pace[a]);
     if (!(slow > 0 && slow > 1.2 * sensor.delay.value_or(0))) continue;
-    slow_told |= bit;
-    tell("angle of " + std::string(segment_name(static_cast<int>(sensed_joint(sensor)))) +
-         " changes once in " + text_of(std::round(1e3 * slow)) +
+    slow_told |= 1u << a;
+    const double milliseconds = std::round(1e3 * slow);
+    tell("angle of " + std::string(segment_name(static_cast<int>(joint))) + " changes once in " +
+         text_of(milliseconds) +
          " ms only while the joint moves, more seldom than the device answers: what is stiff may shake; let "
          "the profile say so, \"delay\": " +
-         text_of(1e-3 * std::round(1e3 * slow)) + " of its sensor");
+         text_of(1e-3 * milliseconds) + " of its sensor");
   }
 }
 

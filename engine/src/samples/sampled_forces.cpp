@@ -169,6 +169,16 @@ std::size_t coarsest_of(const LevelWeights& weights) {
   return level;
 }
 
+SegmentWrenches mix(const SegmentWrenches& one, double of_one, const SegmentWrenches& other,
+                    double of_other) {
+  SegmentWrenches mixed{};
+  for (std::size_t i = 0; i < kSegmentCount; ++i) {
+    mixed[i] += of_one * one[i];
+    mixed[i] += of_other * other[i];
+  }
+  return mixed;
+}
+
 // Whatever the hand's levels.
 SampledForces in_one_cell(SampleTeam& team, const Effort& effort, double force) {
   SampledForces forces;
@@ -179,13 +189,8 @@ SampledForces in_one_cell(SampleTeam& team, const Effort& effort, double force) 
   return forces;
 }
 
-void mix(const SampledForces& rough, double share, SampledForces& forces) {
-  for (std::size_t i = 0; i < kSegmentCount; ++i) {
-    Wrench mixed;
-    mixed += (1 - share) * forces.segment[i];
-    mixed += share * rough.segment[i];
-    forces.segment[i] = mixed;
-  }
+void mix_in(const SampledForces& rough, double share, SampledForces& forces) {
+  forces.segment = mix(forces.segment, 1 - share, rough.segment, share);
   forces.evaluations += rough.evaluations;
   forces.error_factor = (1 - share) * forces.error_factor + share * rough.error_factor;
   forces.coarsened = true;
@@ -230,12 +235,7 @@ bool feel_by_level(SampleTeam& team, std::size_t coarser, const Effort& effort, 
   }
   feel_on_one_level(team, coarser + 1, finer);
   forces.evaluations += finer.evaluations;
-  for (std::size_t i = 0; i < kSegmentCount; ++i) {
-    Wrench mixed;
-    mixed += level[coarser] * forces.segment[i];
-    mixed += level[coarser + 1] * finer.segment[i];
-    forces.segment[i] = mixed;
-  }
+  forces.segment = mix(forces.segment, level[coarser], finer.segment, level[coarser + 1]);
   return true;
 }
 
@@ -290,7 +290,7 @@ bool feel(SampleTeam& team, const Fineness* given, SampledForces& forces) {
   if (fineness.one_cell < 1 &&
       !feel_levels(team, effort, most > 0 ? most - rough.evaluations : 0, force, forces))
     return false;
-  mix(rough, fineness.one_cell, forces);
+  mix_in(rough, fineness.one_cell, forces);
   return true;
 }
 
