@@ -114,6 +114,23 @@ TEST(SimulatedDevice, BrakesHoldALightJointStillAndGiveItNothing) {
   }
 }
 
+// Beyond, no angle is believed, and forces would end.
+TEST(SimulatedDevice, StopsWhereItsSensorsRangesEnd) {
+  SimulationOptions options;
+  options.human = {0.05, 0.001};
+  Host host(options);
+  const auto sensor = std::find_if(host.profile.sensors.begin(), host.profile.sensors.end(),
+                                   [](const Sensor& s) { return is_flexion(s) && sensed_joint(s) == 3; });
+  host.run(1000, 1, 1000);
+  EXPECT_NEAR(host.device.joints()[3].angle, sensor->lower, 1e-3) << "by 0.1 N m, where 2 rad hold as much";
+  EXPECT_EQ(host.device.joints()[3].speed, 0);
+  std::array<std::uint16_t, 22> feedback{};
+  ASSERT_EQ(host.device.read(1, 100, feedback), 0);
+  EXPECT_GE(static_cast<std::int16_t>(feedback[5]) * 1e-4, sensor->lower);
+  host.run(1000, 1, 0);
+  EXPECT_GT(host.device.joints()[3].angle, sensor->lower + 0.1) << "and comes back";
+}
+
 TEST(SimulatedDevice, TurnsCommandsIntoTorqueOnlyWhileSwitchedOn) {
   Host host;
   host.run(20, 0, 1000);

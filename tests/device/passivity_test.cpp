@@ -232,6 +232,18 @@ TEST(EnergyAccount, KeepsTheBooksOfAHeldTorqueExactly) {
   EXPECT_TRUE(std::isfinite(account.energy));
 }
 
+// Forces that fade and come back within a delay of the bus: all the while something acts.
+TEST(EnergyAccount, IsClosedWhereNothingIsWantedAnyMoreThoughAnOldTorqueStillActs) {
+  const OneJoint joint(1);
+  EnergyAccount account;
+  keep_account(joint.certificate, joint.profile, 0, {0.001, {0.1}, {0.5}, 0, true}, account);
+  EXPECT_EQ(pay(joint.certificate, 0, {0.05, 0, 0}, 0.001, account), 1);
+  EXPECT_GT(account.energy, 0.04);
+  pay(joint.certificate, 0, {}, 0.001, account);
+  EXPECT_EQ(account.energy, 0);
+  EXPECT_LT(pay(joint.certificate, 0, {0.05, 0, 0}, 0.001, account), 1);
+}
+
 // A joint that is pressed against any torque and let go again gets back no more than it gave, but for the
 // loan and what one step of the way holds: whatever the touch, however its torque jumps.
 TEST(EnergyAccount, GivesNoMoreThanItHasTakenWhateverTheTouchWants) {

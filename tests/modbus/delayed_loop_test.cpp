@@ -72,6 +72,21 @@ TEST(DelayedLoop, GivesNoEnergyWhileTheArmPressesTheHandOntoSomething) {
   EXPECT_GT(felt.torque, 5e-3) << "something is felt";
 }
 
+// A limp hand's finger is pushed open to its device's stop.
+TEST(DelayedLoop, GivesNoEnergyToALimpHandThatIsPressedOpenToItsEnd) {
+  Sweep sweep;
+  ASSERT_TRUE(build_play(Play::press, 2e7, sweep.model).ok());
+  Motion motion = play_motion(Play::press, sweep.model);
+  const auto late = std::find_if(motion.samples.begin(), motion.samples.end(),
+                                 [](const auto& sample) { return sample.time > 3; });
+  motion.samples.erase(late, motion.samples.end());
+  DelayedLoop loop;
+  loop.bus = {Delays::constant, 0.005, 1000};
+  loop.human = kHands[2].hold;
+  loop.friction = 0;
+  expect_quiet(run_delayed(sweep.model, motion, sweep.profile, loop));
+}
+
 // Its angles are older than its answers, which no measuring of the bus tells.
 TEST(DelayedLoop, DoesNotShakeWithSensorsSlowerThanTheBusWhereTheProfileSaysSo) {
   Sweep sweep;

@@ -73,6 +73,7 @@ inline constexpr double kShake = 0.002, kShakeTime = 0.1;  ///< [rad], [s]
 /// joint has.
 enum class SensorFault : std::uint8_t { none, stuck, jumping, out_of_range };
 
+/// As of a real device, its joints have stops, which lie where the ranges of their sensors end.
 class SimulatedDevice {
  public:
   SimulatedDevice(const DeviceProfile& profile, SimulationOptions options);
@@ -107,6 +108,7 @@ class SimulatedDevice {
   using Registers = std::map<Place, std::uint16_t>;
   Registers& feedback() { return profile_.read_function == 4 ? inputs_ : registers_; }
   void step(double dt);
+  void stop_at_ends(std::size_t joint);
   void read_commands();
   void write_feedback();
   double field(const RegisterField& place) const;
@@ -116,7 +118,8 @@ class SimulatedDevice {
   SimulationOptions options_;
   Registers registers_, inputs_;
   std::array<JointState, kPhalanxCount> joints_{};
-  JointArray torque_{}, braked_{};  // braked_: what brakes take at most, whichever way
+  JointArray lowest_{}, highest_{};  // [rad] where joints meet their stops
+  JointArray torque_{}, braked_{};   // braked_: what brakes take at most, whichever way
   ActuatorArray command_{};
   double time_ = 0, left_ = 0, silence_ = 1e9, on_since_ = -1;
   std::uint16_t last_heartbeat_ = 0;

@@ -94,6 +94,9 @@ void keep_account(const StiffnessCertificate& certificate, const DeviceProfile& 
 /// - While the touch takes more than it gives, the torques grow from step to step by no more than such a
 ///   spring's would over the way the joints went, or what the arm has put in.
 /// - But for that they creep, by half of what they are in a second.
+/// - Where nothing is wanted any more the touch is over and its account closed, though a bus may still
+///   deliver what was.
+///
 /// So they are no stiffer than that spring, and end when what was taken is given back, whatever the touch,
 /// its law, or the delay. Scaling only ever takes away: it can't shake by itself.
 double pay(const StiffnessCertificate& certificate, std::size_t finger, const std::array<double, 3>& torque,

@@ -124,6 +124,15 @@ SimulatedDevice::SimulatedDevice(const DeviceProfile& profile, SimulationOptions
   for (const RegisterCheck& check : profile_.expected) feedback()[{check.unit, check.address}] |= check.value;
   for (JointDynamics& joint : profile_.dynamics) joint.inertia = std::max(joint.inertia, 1e-6);
   for (std::size_t i = 0; i < profile_.actuators.size(); ++i) command_[i] = profile_.actuators[i].safe;
+  lowest_.fill(-1e9);
+  highest_.fill(1e9);
+  for (const Sensor& sensor : profile_.sensors) {
+    if (!is_flexion(sensor)) continue;
+    const std::size_t j = sensed_joint(sensor);
+    const double rounded = 0.5 * profile_.dynamics[j].encoder_step;
+    lowest_[j] = sensor.lower + rounded;
+    highest_[j] = sensor.upper - rounded;
+  }
   JointArray start{};
   options_.intention(0, start);
   for (std::size_t j = 0; j < kPhalanxCount; ++j) joints_[j].angle = start[j];
@@ -247,6 +256,12 @@ void SimulatedDevice::write_feedback() {
   feedback()[{status.unit, status.address}] = static_cast<std::uint16_t>(bits);
 }
 
+void SimulatedDevice::stop_at_ends(std::size_t joint) {
+  JointState& state = joints_[joint];
+  const double inside = clamp(state.angle, lowest_[joint], highest_[joint]);
+  if (inside != state.angle) state = {inside, 0};
+}
+
 void SimulatedDevice::step(double dt) {
   time_ += dt;
   silence_ += dt;
@@ -259,6 +274,7 @@ void SimulatedDevice::step(double dt) {
     dynamics.friction += braked_[j];
     const double rubbed = step_joint(dynamics, options_.human, target[j], torque_[j], dt, joints_[j]);
     if (braked_[j] > 0) torque_[j] += braked_[j] / dynamics.friction * rubbed;
+    stop_at_ends(j);
   }
 }
 
