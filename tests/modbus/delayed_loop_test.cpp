@@ -35,6 +35,14 @@ struct Sweep {
   }
 };
 
+Motion beginning_of(Play play, double seconds, const Model& model) {
+  Motion motion = play_motion(play, model);
+  const auto late = std::find_if(motion.samples.begin(), motion.samples.end(),
+                                 [seconds](const auto& sample) { return sample.time > seconds; });
+  motion.samples.erase(late, motion.samples.end());
+  return motion;
+}
+
 void expect_quiet(const LoopFelt& felt) {
   EXPECT_EQ(felt.shakes, 0u);
   EXPECT_LT(felt.given, 1e-3);
@@ -76,10 +84,7 @@ TEST(DelayedLoop, GivesNoEnergyWhileTheArmPressesTheHandOntoSomething) {
 TEST(DelayedLoop, GivesNoEnergyToALimpHandThatIsPressedOpenToItsEnd) {
   Sweep sweep;
   ASSERT_TRUE(build_play(Play::press, 2e7, sweep.model).ok());
-  Motion motion = play_motion(Play::press, sweep.model);
-  const auto late = std::find_if(motion.samples.begin(), motion.samples.end(),
-                                 [](const auto& sample) { return sample.time > 3; });
-  motion.samples.erase(late, motion.samples.end());
+  const Motion motion = beginning_of(Play::press, 3, sweep.model);
   DelayedLoop loop;
   loop.bus = {Delays::constant, 0.005, 1000};
   loop.human = kHands[2].hold;
@@ -92,10 +97,7 @@ TEST(DelayedLoop, DoesNotShakeWithSensorsSlowerThanTheBusWhereTheProfileSaysSo) 
   Sweep sweep;
   for (JointDynamics& joint : sweep.profile.dynamics) joint.friction = joint.encoder_step = 0;
   ASSERT_TRUE(build_play(Play::taps, 2e7, sweep.model).ok());
-  Motion motion = play_motion(Play::taps, sweep.model);
-  const auto late = std::find_if(motion.samples.begin(), motion.samples.end(),
-                                 [](const auto& sample) { return sample.time > 2; });
-  motion.samples.erase(late, motion.samples.end());
+  const Motion motion = beginning_of(Play::taps, 2, sweep.model);
   DelayedLoop loop;
   loop.bus = {Delays::constant, 0.001, 1000};
   loop.human = {1, 0.002};

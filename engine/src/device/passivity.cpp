@@ -175,7 +175,7 @@ double pay(const StiffnessCertificate& certificate, std::size_t finger, const st
     softest = min(softest, allowed);
   }
   if (needed == 0) {
-    if (account.reach > 0) account.energy = min(0, account.energy);
+    if (account.reach > 0) account.energy = min(0, account.energy);  // until now something was wanted
     account.reach = 0;
     return 1;
   }
