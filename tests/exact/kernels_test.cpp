@@ -82,11 +82,11 @@ TEST(Kernels, LeaveNoFunctionBehindThatOthersCouldPickUp) {
   while (std::fgets(line, sizeof line, pipe.get()) != nullptr) {
     const std::string text = line;
     const bool of_exact = text.find("exact_kernels_") != std::string::npos;
-    const bool of_samples = text.find("sample_kernels_") != std::string::npos;
+    const bool of_samples = text.find("samples_kernels_") != std::string::npos;
     exact_symbols += of_exact ? 1 : 0;
     sample_symbols += of_samples ? 1 : 0;
     // The samples' scalar kernels are compiled as everything else is, and may share functions with it.
-    if ((!of_exact && !of_samples) || text.find("sample_kernels_scalar") != std::string::npos) continue;
+    if ((!of_exact && !of_samples) || text.find("samples_kernels_scalar") != std::string::npos) continue;
     const bool weak = text.find(" W ") != std::string::npos;  // functions; constants do no harm
     EXPECT_TRUE(!weak || std::regex_search(text, own)) << text;
   }

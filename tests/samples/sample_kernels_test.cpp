@@ -9,7 +9,7 @@
 #include "random.h"
 
 #define LUMBRICAL_ISA scalar
-#include "samples/sample_table.h"
+#include "samples/kernel_table.h"
 
 namespace lumbrical::test {
 namespace {

@@ -1,4 +1,4 @@
-// The table of kernels for a type of lanes.
+// The table of kernels for two types of lanes, of which samples take the second.
 #pragma once
 
 #include "samples/block_kernels.h"
@@ -10,7 +10,7 @@
 
 namespace lumbrical::LUMBRICAL_ISA {
 
-template <class V>
+template <class, class V>
 constexpr SampleKernels table_of() {
   return {sort_blocks<V>,   sort_palm_blocks<V>, classify_finger<V>, classify_palm<V>, tile_lattice<V>,
           joint_lattice<V>, finger_lattice<V>,   tile_rule<V>,       tile_blocks<V>,   palm_blocks<V>,
