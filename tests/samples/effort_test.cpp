@@ -132,12 +132,11 @@ TEST(Effort, OfOneCellAPatchTellsTheErrorOfThoseThatBodiesShare) {
   Settings settings;
   settings.precision.fill(1e-4);
   const PatchRules rules = patch_rules(default_hand(Side::right), settings);
-  const NearPatches near;
-  Overlaps fist;
-  fist.together.resize(1);
-  std::fill(fist.together_begin.begin() + kPatchSizes, fist.together_begin.end(), 1u);
+  NearPatches fist;
+  fist.overlaps.together.resize(1);
+  std::fill(fist.overlaps.together_begin.begin() + kPatchSizes, fist.overlaps.together_begin.end(), 1u);
   ASSERT_TRUE(fist.has(kPatchSizes - 1));
-  EXPECT_GT(one_cell_error_factor(rules, near, fist, 1), 16 * one_cell_error_factor(rules, near, {}, 1));
+  EXPECT_GT(one_cell_error_factor(rules, fist, 1), 16 * one_cell_error_factor(rules, NearPatches{}, 1));
 }
 
 TEST(Effort, IsDecidedAlikeByBruteForce) {

@@ -70,7 +70,7 @@ TEST(FeltOnce, IsWhatTheDeepestBodyFeelsOnEveryRung) {
     for (const double precision : {1e-3, 1e-4, 1e-5}) {
       FeelingHand samples(scene, precision);
       const ActuatorFrame by_samples = samples(held.frame);
-      const Overlaps& overlaps = samples.scratch().samples->overlaps;
+      const Overlaps& overlaps = samples.scratch().samples->near.overlaps;
       for (std::size_t k = 0; k < kPatchClasses; ++k) {
         with_palm += overlaps.together_of(1, k).size();
         of_two += overlaps.together_of(2, k).size();

@@ -347,8 +347,8 @@ TEST(SampleKernels, TilesThatFollowEachOtherShareOutTheirUnion) {
     const double size = 0.5 * kRadius;
     const Patches16 patches = patches_near(random, joint, 0.6 * kRadius, size);
     BodySums sums[2] = {sums_of_zero(), sums_of_zero()}, one[2] = {sums_of_zero(), sums_of_zero()};
-    scalar::kSampleKernels.joint_lattice(patches.list(8), &finger, {sums, 3});
-    scalar::kSampleKernels.joint_lattice(patches.list(8), &finger, {one, 2});
+    scalar::kSampleKernels.shared_lattice(patches.list(8), &finger, 2, {sums, 3});
+    scalar::kSampleKernels.shared_lattice(patches.list(8), &finger, 2, {one, 2});
     const auto depth = [&](Vec3 p) { return depth_in_hull(2 * length, kRadius, kRadius, p); };
     const Felt right = integral(patches, inner, depth, kWhole);
     const Felt beyond = integral(patches, inner, depth, [&](Vec3 p) { return p.x > length ? 1.0 : 0.0; });

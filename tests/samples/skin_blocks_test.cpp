@@ -310,7 +310,7 @@ TEST(SkinBlocks, OfACoarserLevelAreOpenedToWhatASearchFinds) {
     const auto search = [&](std::size_t level, const auto& find) {
       take_blocks_on_skin(model.patches->rules.block_on_skin[level], memory.bodies);
       EXPECT_TRUE(find(model, *scratch.primitives, memory.bodies, memory.search));
-      EXPECT_TRUE(list_patches(model, memory.bodies, memory.search, memory.near, memory.overlaps));
+      EXPECT_TRUE(list_patches(model, memory.bodies, memory.search, memory.near));
       return sorted(memory.near);
     };
     std::vector<Near> found;

@@ -20,18 +20,18 @@ std::uint64_t count_of(const NearPatches& near, std::uint32_t first, std::uint32
 
 }  // namespace
 
-Effort effort_of(const PatchRules& rules, const NearPatches& near, const Overlaps& overlaps) {
+Effort effort_of(const PatchRules& rules, const NearPatches& near) {
   Effort effort;
   for (std::size_t k = 0; k < kPatchClasses; ++k) {
-    if (!near.has(k) && !overlaps.has(k)) continue;
+    if (!near.has(k)) continue;
     const std::uint64_t smooth = kPerRule * count_of(near, kind::kInside, kind::kInside + 2, k) +
                                  kPerBlock * count_of(near, kind::kBlockInside, kind::kBlockInside + 2, k) +
                                  kPerBlock * count_of(near, kind::kPalmSide, kind::kPalmBlockBeside, k);
-    const std::uint64_t shares = count_of(near, kind::kTile, kind::kFarEnd + 2, k) +
-                                 2 * count_of(near, kind::kInnerJoint, kind::kOuterJoint, k) +
-                                 3 * count_of(near, kind::kFinger, kind::kFinger, k) +
-                                 count_of(near, kind::kPalm, kind::kPalm, k) +
-                                 2 * overlaps.count_together(k) + kPerParts * overlaps.count_by_parts[k];
+    const std::uint64_t shares =
+        count_of(near, kind::kTile, kind::kFarEnd + 2, k) +
+        2 * count_of(near, kind::kInnerJoint, kind::kOuterJoint, k) +
+        3 * count_of(near, kind::kFinger, kind::kFinger, k) + count_of(near, kind::kPalm, kind::kPalm, k) +
+        2 * near.overlaps.count_together(k) + kPerParts * near.overlaps.count_by_parts[k];
     effort.always += smooth;
     effort.one_cell += smooth + kPerCell * shares;
     for (std::size_t level = 0; level < kLevels; ++level) {
@@ -83,11 +83,10 @@ double error_factor_of(const LevelWeights& weights, double force) {
   return factor;
 }
 
-double one_cell_error_factor(const PatchRules& rules, const NearPatches& near, const Overlaps& overlaps,
-                             double force) {
+double one_cell_error_factor(const PatchRules& rules, const NearPatches& near, double force) {
   double coarser = 1;
   for (std::size_t k = 0; k < kPatchClasses; ++k) {
-    if (near.has(k) || overlaps.has(k)) coarser = max(coarser, rules.most_steps[k][0]);
+    if (near.has(k)) coarser = max(coarser, rules.most_steps[k][0]);
   }
   const double fourth = coarser * coarser * coarser * coarser;
   return fourth * max(1, force > 0 ? kEnoughForce[0] / force : 1);

@@ -16,7 +16,7 @@ struct Effort {
   std::array<std::uint64_t, kLevels> level{};  ///< the other lattices of each level
   std::uint64_t one_cell = 0;                  ///< rules, blocks, and all lattices, were they of one cell
 };
-Effort effort_of(const PatchRules& rules, const NearPatches& near, const Overlaps& overlaps);
+Effort effort_of(const PatchRules& rules, const NearPatches& near);
 
 /// Takes weight from fine levels to coarser ones until what remains is within `most` (0: no bound); true if
 /// it had to. The coarsest level may take more.
@@ -34,7 +34,6 @@ std::uint64_t evaluations_of(const Effort& effort, const LevelWeights& weights);
 double error_factor_of(const LevelWeights& weights, double force);
 
 /// The same of lattices of one cell over the largest patches near: it grows with the cells' fourth power.
-double one_cell_error_factor(const PatchRules& rules, const NearPatches& near, const Overlaps& overlaps,
-                             double force);
+double one_cell_error_factor(const PatchRules& rules, const NearPatches& near, double force);
 
 }  // namespace lumbrical

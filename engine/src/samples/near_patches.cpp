@@ -112,10 +112,11 @@ bool put_in_order(std::span<const std::span<const FoundPatches>> found, NearPatc
 void size_near(const Model& model, NearPatches& near) {
   at_least(most_patches(model), near.runs);
   at_least(most_patches(model) + PatchBlock::kWidth, near.listed);
+  if (model.settings.felt_once != FeltOnce::never) size_overlaps(model, near.overlaps);
 }
 
-bool list_patches(const Model& model, const Bodies& bodies, PatchSearchMemory& memory, NearPatches& near,
-                  Overlaps& overlaps) {
+bool list_patches(const Model& model, const Bodies& bodies, PatchSearchMemory& memory, NearPatches& near) {
+  Overlaps& overlaps = near.overlaps;
   const std::size_t body_count = bodies.finger_count + 1;
   if (part_overlaps(model, memory.cuts, bodies, *memory.searcher[0].rivals,
                     std::span(memory.found).first(body_count), overlaps) &&
@@ -125,7 +126,6 @@ bool list_patches(const Model& model, const Bodies& bodies, PatchSearchMemory& m
     return true;
   }
   near.forget();
-  overlaps.forget();
   return false;
 }
 

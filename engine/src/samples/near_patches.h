@@ -17,22 +17,25 @@ struct PatchRun {
   std::uint32_t lanes;  ///< a bit each
 };
 
-/// Patches near a hand, sorted by their keys.
+/// Patches near a hand: what each body feels by itself, sorted by keys, and what several share.
 struct NearPatches {
   std::vector<ListedPatch> listed;
   std::vector<PatchRun> runs;                        ///< in the same order
   std::array<std::uint32_t, kKeyCount + 1> begin{};  ///< those of key k go from begin[k] to begin[k + 1]
   std::uint64_t tiles = 0;                           ///< that are near any, a bit each by their numbers
   std::array<std::uint64_t, kKeyCount> innermost{};  ///< the tiles that patches of each key are listed for
+  Overlaps overlaps;
 
   [[nodiscard]] std::size_t count() const { return begin.back(); }
   void forget() {
     begin.fill(0);
     tiles = 0;
     innermost.fill(0);
+    overlaps.forget();
   }
   [[nodiscard]] bool has(std::size_t patch_class) const {
-    return begin[patch_class * kind::kCount] < begin[(patch_class + 1) * kind::kCount];
+    return begin[patch_class * kind::kCount] < begin[(patch_class + 1) * kind::kCount] ||
+           overlaps.has(patch_class);
   }
   /// Those of a class and of kinds `first` to `last`.
   [[nodiscard]] std::span<const ListedPatch> of_kinds(std::uint32_t first, std::uint32_t last,
@@ -51,9 +54,7 @@ struct NearPatches {
 
 void size_near(const Model& model, NearPatches& near);
 
-/// What was found as each body feels it by itself and, in `overlaps`, as several share it. False where that
-/// is more than there is room for.
-bool list_patches(const Model& model, const Bodies& bodies, PatchSearchMemory& memory, NearPatches& near,
-                  Overlaps& overlaps);
+/// From what was found. False where that is more than there is room for.
+bool list_patches(const Model& model, const Bodies& bodies, PatchSearchMemory& memory, NearPatches& near);
 
 }  // namespace lumbrical

@@ -207,9 +207,9 @@ struct SampleKernels {
   /// One tile.
   std::uint32_t (*tile_lattice)(const PatchList& list, const FingerBody* fingers, TilePart part,
                                 const TileSums& sums);
-  /// Two neighbouring tiles, or all three, and how they share.
-  std::uint32_t (*joint_lattice)(const PatchList& list, const FingerBody* fingers, const TileSums& sums);
-  std::uint32_t (*finger_lattice)(const PatchList& list, const FingerBody* fingers, const TileSums& sums);
+  /// Two or three neighbouring tiles, and how they share.
+  std::uint32_t (*shared_lattice)(const PatchList& list, const FingerBody* fingers, std::size_t tiles,
+                                  const TileSums& sums);
   /// Patches inside one tile, by a rule of quadrature (triangle_rules.h).
   std::uint32_t (*tile_rule)(const PatchList& list, const FingerBody* fingers, std::size_t rule,
                              const TileSums& sums);

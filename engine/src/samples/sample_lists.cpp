@@ -62,10 +62,13 @@ void run_fingers(SampleWork& work, std::size_t patch_class, std::size_t steps, c
   run_part(kind::kTile, kind::kTile + 2, TilePart::whole);
   run_part(kind::kSide, kind::kSide + 2, TilePart::side);
   run_part(kind::kNearEnd, kind::kFarEnd + 2, TilePart::end);
-  run(kind::kInnerJoint, kind::kOuterJoint,
-      [&](const PatchList& list) { return work.kernels.joint_lattice(list, work.fingers(), sums); });
-  run(kind::kFinger, kind::kFinger,
-      [&](const PatchList& list) { return work.kernels.finger_lattice(list, work.fingers(), sums); });
+  const auto run_shared = [&](std::uint32_t first, std::uint32_t last) {
+    run(first, last, [&](const PatchList& list) {
+      return work.kernels.shared_lattice(list, work.fingers(), sharers_of(first), sums);
+    });
+  };
+  run_shared(kind::kInnerJoint, kind::kOuterJoint);
+  run_shared(kind::kFinger, kind::kFinger);
 }
 
 // By the patch's size in steps.
@@ -73,7 +76,7 @@ std::size_t rule_for(std::size_t size) { return size < 1 ? 0 : size < 2 ? 1 : si
 
 // What several bodies share, each by its own lattice.
 void run_together(SampleWork& work, std::size_t patch_class, std::size_t steps, const TileSums& sums) {
-  const Overlaps& overlaps = work.overlaps;
+  const Overlaps& overlaps = work.near.overlaps;
   for (const std::size_t tiles : {1, 2}) {
     const PatchList list = work.list(work.own_part(overlaps.together_of(tiles, patch_class)), steps);
     if (list.count > 0) work.memory.touched += work.kernels.deepest_lattice(list, work.bodies, tiles, sums);
@@ -102,7 +105,7 @@ void run_lattices(SampleWork& work, std::size_t patch_class, std::size_t level, 
     const PatchList list = work.list(work.of_kinds(kind::kPalm, kind::kPalm, patch_class), steps);
     if (list.count > 0) work.memory.touched += work.kernels.palm_lattice(list, palm, sums[number]);
   }
-  if (!work.overlaps.has(patch_class)) return;
+  if (!work.near.overlaps.has(patch_class)) return;
   for_numbers(parts.any, [&](std::size_t steps) {
     const std::uint64_t wanted = parts.of[steps] & work.near.tiles;
     if (wanted != 0) run_together(work, patch_class, steps, {sums, wanted});

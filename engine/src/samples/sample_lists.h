@@ -33,8 +33,7 @@ struct SampleWork {
   const Patches& patches;
   const CutPatches& cuts;
   const Bodies& bodies;
-  NearPatches& near;
-  const Overlaps& overlaps;
+  const NearPatches& near;
   SampleThread& memory;
   std::size_t number, threads;
   std::size_t lists = 0;  ///< shared out so far

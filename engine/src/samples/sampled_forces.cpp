@@ -106,13 +106,12 @@ void share_out(SampleTeam& team, std::uint64_t evaluations, std::initializer_lis
                       team.memory.search.cuts,
                       team.memory.bodies,
                       team.memory.near,
-                      team.memory.overlaps,
                       own,
                       number,
                       team.threads};
       for (const std::size_t block_class : {kWithinSkin, kAcrossSkin}) run_blocks(work, block_class);
       for (std::size_t k = 0; k < kPatchClasses; ++k) {
-        if (!work.near.has(k) && !work.overlaps.has(k)) continue;
+        if (!work.near.has(k)) continue;
         run_smooth(work, k);
         stage(work, k);
       }
@@ -160,7 +159,7 @@ bool open_for(SampleTeam& team, std::size_t level) {
 
 bool list(SampleTeam& team) {
   SampleMemory& memory = team.memory;
-  return list_patches(team.model, memory.bodies, memory.search, memory.near, memory.overlaps);
+  return list_patches(team.model, memory.bodies, memory.search, memory.near);
 }
 
 std::size_t coarsest_of(const LevelWeights& weights) {
@@ -183,8 +182,7 @@ SegmentWrenches mix(const SegmentWrenches& one, double of_one, const SegmentWren
 SampledForces in_one_cell(SampleTeam& team, const Effort& effort, double force) {
   SampledForces forces;
   forces.evaluations = effort.one_cell;
-  forces.error_factor =
-      one_cell_error_factor(team.model.patches->rules, team.memory.near, team.memory.overlaps, force);
+  forces.error_factor = one_cell_error_factor(team.model.patches->rules, team.memory.near, force);
   feel_on_one_level(team, kOneCell, forces);
   return forces;
 }
@@ -196,9 +194,7 @@ void mix_in(const SampledForces& rough, double share, SampledForces& forces) {
   forces.coarsened = true;
 }
 
-Effort effort_of(const SampleTeam& team) {
-  return effort_of(team.model.patches->rules, team.memory.near, team.memory.overlaps);
-}
+Effort effort_of(const SampleTeam& team) { return effort_of(team.model.patches->rules, team.memory.near); }
 
 // Of Settings::effort; 0: as much as it takes.
 std::uint64_t effort_left(const SampleTeam& team) {
@@ -283,7 +279,7 @@ bool feel(SampleTeam& team, const Fineness* given, SampledForces& forces) {
     effort = effort_of(team);
   }
   forces.patch_count =
-      static_cast<std::uint32_t>(team.memory.near.count()) + team.memory.overlaps.patch_count();
+      static_cast<std::uint32_t>(team.memory.near.count()) + team.memory.near.overlaps.patch_count();
   if (given == nullptr) fineness.one_cell = one_cell_share(effort, most);
   if (!(fineness.one_cell > 0)) return feel_levels(team, effort, most, force, forces);
   const SampledForces rough = in_one_cell(team, effort, force);
@@ -300,7 +296,6 @@ void size_samples(const Model& model, SampleMemory& memory) {
   if (!model.patches) return;
   size_search(model, memory.search);
   size_near(model, memory.near);
-  if (model.settings.felt_once != FeltOnce::never) size_overlaps(model, memory.overlaps);
   at_least(model.execution.threads, memory.thread);
   for (SampleThread& thread : memory.thread) {
     at_least(memory.near.listed.size(), thread.chosen);
@@ -320,7 +315,6 @@ bool sample_forces(const Model& model, const Primitives& hand, std::uint32_t seg
   set_bodies(hand, once ? sampled_segments(model) : segments, segments, model.patches->rules, memory.bodies);
   SampleTeam team{model, hand, memory, empty_sums(hand)};
   memory.near.forget();
-  memory.overlaps.forget();
   if (!cut_near(model, hand, memory.search.cuts) || !find_for(team, 0)) return false;
   if (!found_any(memory.search)) return true;
   if (!feel(team, given, forces)) {

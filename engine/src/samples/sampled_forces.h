@@ -38,7 +38,6 @@ struct SampleMemory {
   Bodies bodies;
   PatchSearchMemory search;
   NearPatches near;
-  Overlaps overlaps;
   std::vector<SampleThread> thread;
 };
 

@@ -119,8 +119,8 @@ LUMBRICAL_INLINE inline std::array<Cell<V>, N> shared_cells(const SharedPoint<V,
   }
 }
 
-template <class V, std::size_t N>
-inline std::uint32_t shared_lattice(const PatchList& list, const FingerBody* fingers, const TileSums& sums) {
+template <std::size_t N, class V>
+inline std::uint32_t lattice_of(const PatchList& list, const FingerBody* fingers, const TileSums& sums) {
   const std::size_t steps = steps_of_lane(list);
   using Point = SharedPoint<V, N>;
   struct RowOfAll {
@@ -162,12 +162,9 @@ inline std::uint32_t shared_lattice(const PatchList& list, const FingerBody* fin
 }
 
 template <class V>
-std::uint32_t joint_lattice(const PatchList& list, const FingerBody* fingers, const TileSums& sums) {
-  return shared_lattice<V, 2>(list, fingers, sums);
-}
-template <class V>
-std::uint32_t finger_lattice(const PatchList& list, const FingerBody* fingers, const TileSums& sums) {
-  return shared_lattice<V, 3>(list, fingers, sums);
+std::uint32_t shared_lattice(const PatchList& list, const FingerBody* fingers, std::size_t tiles,
+                             const TileSums& sums) {
+  return tiles == 2 ? lattice_of<2, V>(list, fingers, sums) : lattice_of<3, V>(list, fingers, sums);
 }
 
 /// Calls take(u, v, weight) for every node of a rule, u and v barycentric.
