@@ -10,8 +10,7 @@ namespace lumbrical::LUMBRICAL_ISA {
 
 // Area and first moments of the part of the polygon in the section; `lost` is 1 where they could not be had.
 template <class V, class M>
-Moments<V> section_area(const RoundPart<V>& part, const RoundPlane<V>& plane, const SideView<V>& side,
-                        const Polygon<V>& polygon, const PolygonBounds<V>& all, M wanted,
+Moments<V> section_area(const RoundPair<V>& pair, const SideView<V>& side, M wanted,
                         Directions<V>& directions, InsideParts<V>& inside, V& lost) {
   Moments<V> sum = no_moments<V>();
   const auto end = [&](const Polygon<V>& here, V x0, V radius, V height) {
@@ -25,7 +24,7 @@ Moments<V> section_area(const RoundPart<V>& part, const RoundPlane<V>& plane, co
     const auto had = add_side_area(side, here, directions, wanted, sum, inside);
     lost = select(had, number<V>(0), number<V>(1));
   };
-  over_zones(part, plane, side, polygon, all, wanted, directions, end, between);
+  over_zones(pair, side, wanted, directions, end, between);
   return sum;
 }
 
@@ -33,7 +32,8 @@ template <class V>
 void paper_contacts(RoundTerms& terms) {
   const V zero = number<V>(0);
   for (std::size_t i = 0; i < terms.count; i += wide::Lanes<V>::kCount) {
-    const auto [part, plane, polygon, all, along_cut, met, whole] = pair_at<V>(terms, i);
+    const RoundPair<V> pair = pair_at<V>(terms, i);
+    const auto& [part, plane, polygon, all, along_cut, met, whole] = pair;
     const V r = part.radius1;
     const auto large = whole || all.size >= number<V>(kSmall) * r;
     const auto closed = met && large && has_deepest_point(part, plane, terms.flat);
@@ -44,7 +44,7 @@ void paper_contacts(RoundTerms& terms) {
     InsideParts<V> inside = inside_parts(polygon, directions, whole);
     Moments<V> sum = no_moments<V>();
     V lost = zero;
-    if (any(rimmed)) sum = section_area(part, plane, side, polygon, all, rimmed, directions, inside, lost);
+    if (any(rimmed)) sum = section_area(pair, side, rimmed, directions, inside, lost);
     take_whole(all, whole, sum);
 
     const V least = least_area(all, whole, r);

@@ -39,20 +39,19 @@ inline auto keeps_digits(const RoundPart<V>& part, const RoundPlane<V>& plane, c
 // The integrals over the part of the polygon in the section, by zones; `lost` is 1 where they could not be
 // had.
 template <class V, class M>
-Moments<V> section_moments(const RoundPart<V>& part, const RoundPlane<V>& plane, const SideView<V>& side,
-                           const Polygon<V>& polygon, const PolygonBounds<V>& all, V most, bool flat,
-                           M wanted, M whole, Directions<V>& directions, InsideParts<V>& inside, V& lost) {
+Moments<V> section_moments(const RoundPair<V>& pair, const SideView<V>& side, V most, bool flat, M wanted,
+                           Directions<V>& directions, InsideParts<V>& inside, V& lost) {
   Moments<V> sum = no_moments<V>();
   const auto end = [&](const Polygon<V>& here, V x0, V radius, V height) {
     add_disc(here, directions, x0, radius, height, wanted, sum, inside,
              [&](const Chord<V>& chord, V h, V rho2) { return disc_moments(chord, radius, h, rho2, most); });
   };
   const auto between = [&](const Polygon<V>& here) {
-    const auto had = flat ? add_flat_side(part, plane, side, here, directions, wanted, sum, inside)
-                          : add_side(part, side, here, directions, wanted, whole, sum, inside);
+    const auto had = flat ? add_flat_side(pair.part, pair.plane, side, here, directions, wanted, sum, inside)
+                          : add_side(pair.part, side, here, directions, wanted, pair.whole, sum, inside);
     lost = select(had, number<V>(0), number<V>(1));
   };
-  over_zones(part, plane, side, polygon, all, wanted, directions, end, between);
+  over_zones(pair, side, wanted, directions, end, between);
   return sum;
 }
 
@@ -84,9 +83,9 @@ inline auto meets_slivers(const RoundPart<V>& part, const RoundPlane<V>& plane, 
 
 // Integrals of the lanes whose polygon lies wholly inside and for which points will do; `error` is over the
 // area and beyond `limit` elsewhere.
-template <class V, class M>
-PointSum<V> whole_by_points(const RoundPart<V>& part, const RoundPlane<V>& plane, const Polygon<V>& polygon,
-                            const PolygonBounds<V>& all, M whole, V limit) {
+template <class V>
+PointSum<V> whole_by_points(const RoundPair<V>& pair, V limit) {
+  const auto& [part, plane, polygon, all, along_cut, met, whole] = pair;
   const V zero = number<V>(0), one = number<V>(1);
   if (!any(whole && limit > zero)) return {zero, zero, zero, beyond<V>()};
   V cut = zero;
@@ -100,13 +99,14 @@ template <class V>
 void round_contacts(RoundTerms& terms) {
   const V zero = number<V>(0);
   for (std::size_t i = 0; i < terms.count; i += wide::Lanes<V>::kCount) {
-    const auto [part, plane, polygon, all, along_cut, met, whole] = pair_at<V>(terms, i);
+    const RoundPair<V> pair = pair_at<V>(terms, i);
+    const auto& [part, plane, polygon, all, along_cut, met, whole] = pair;
     const V r = part.radius1;
     const V exactness = number<V>(terms.flat ? kFlatError : kDiscError) * (r * r * r);
 
     const auto small = all.size <= number<V>(kByPoints) * r;
     const V limit = select(small, number<V>(kPointwise) * r, zero);
-    const PointSum<V> points = whole_by_points(part, plane, polygon, all, whole, limit);
+    const PointSum<V> points = whole_by_points(pair, limit);
     const auto pointwise = whole && limit > zero && points.error <= limit;
     const auto open = met && (all.outside > zero || limit <= zero || points.error > limit);
     const SideView<V> side = part.sphere ? SideView<V>{} : side_of(part, plane);
@@ -118,9 +118,7 @@ void round_contacts(RoundTerms& terms) {
     if (terms.depths) inside = inside_parts(polygon, directions, whole);
     Moments<V> sum = no_moments<V>();
     V lost = zero;
-    if (any(closed))
-      sum = section_moments(part, plane, side, polygon, all, most, terms.flat, closed, whole, directions,
-                            inside, lost);
+    if (any(closed)) sum = section_moments(pair, side, most, terms.flat, closed, directions, inside, lost);
     take_whole(all, whole, sum);
     sum.volume = select(pointwise, points.volume * all.area, sum.volume);
     sum.volume_x = select(pointwise, points.volume_x * all.area, sum.volume_x);

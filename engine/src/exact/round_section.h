@@ -115,9 +115,9 @@ InsideParts<V> inside_parts(const Polygon<V>& polygon, const Directions<V>& dire
 // the first end's or the second's, and between(polygon) of the rest. Nothing is parted off where no lane has
 // any of it. Of what is handed over `directions` are the edges'.
 template <class V, class M, class End, class Between>
-void over_zones(const RoundPart<V>& part, const RoundPlane<V>& plane, const SideView<V>& side,
-                const Polygon<V>& polygon, const PolygonBounds<V>& all, M wanted, Directions<V>& directions,
+void over_zones(const RoundPair<V>& pair, const SideView<V>& side, M wanted, Directions<V>& directions,
                 const End& end, const Between& between) {
+  const auto& [part, plane, polygon, all, along_cut, met, whole] = pair;
   const V zero = number<V>(0);
   if (part.sphere) return end(polygon, zero, part.radius1, plane.h1);
   Polygon<V> beyond_border, beside, between_ends;
