@@ -74,7 +74,7 @@ TEST(FeltOnce, IsWhatTheDeepestBodyFeelsOnEveryRung) {
       for (std::size_t k = 0; k < kPatchClasses; ++k) {
         with_palm += overlaps.together_of(1, k).size();
         of_two += overlaps.together_of(2, k).size();
-        of_any += overlaps.count_by_parts[k];
+        of_any += overlaps.count_by_parts(k);
       }
       const Difference error = body_difference(by_bodies(by_samples, stiffness), by_bodies(felt, stiffness));
       EXPECT_LT(error.hand, precision + 3e-5) << held.name << " at " << precision;
@@ -142,6 +142,57 @@ TEST(FeltOnce, ThickFingersAndThePalmShareOutWhatTheyHoldTogether) {
     EXPECT_LT(worst_segment(by_samples, felt), 3e-4) << pose;
   }
   EXPECT_GT(felt_poses, 60u);
+}
+
+/// What each part of a hand gets of patches that any parts share, on a lattice of five steps.
+std::vector<double> shares(const Scratch& scratch, const Model& model, SharedPatches shared) {
+  const SampleMemory& memory = *scratch.samples;
+  const Patches& patches = *model.patches;
+  std::vector<BodySums> sums(Bodies::kMostParts);
+  for (BodySums& of_part : sums) of_part.force_quantum = of_part.moment_quantum = 0x1p-60;
+  const PatchList list{patches.shape.data(),
+                       shared.patches.data(),
+                       shared.patches.size(),
+                       memory.bodies.origin.data(),
+                       5,
+                       static_cast<std::uint32_t>(patches.shape.size()),
+                       memory.search.cuts.shape.data()};
+  sample_kernels(model.execution.isa)
+      .parts_lattice(list, memory.bodies, shared.parts, {sums.data(), ~std::uint64_t{0}});
+  std::vector<double> all;
+  for (const BodySums& of_part : sums) {
+    for (const auto& lanes : of_part.lane) all.push_back(sum_of(lanes));
+  }
+  return all;
+}
+
+TEST(FeltOnce, PatchesOfAFistThatDifferentPartsShareAreFeltInOneRowAsOneByOne) {
+  Hand hand = default_hand(Side::right);
+  for (double& radius : hand.radius) radius *= 1.6;
+  Scene scene = sampled_scene(hand, {{"mesh", make_plane(0.3, 90, 1, 3)}});
+  scene.settings.felt_once = FeltOnce::always;
+  FeelingHand samples(scene, 1e-4);
+  Random random(7);
+  std::size_t rows_of_several = 0;
+  for (int pose = 0; pose < 12; ++pose) {
+    DeviceFrame frame = dropped_hand(hand, random, 0.8, 1.7, 0, 0, 0.01);
+    frame.base = {{}, random.rotation()};
+    frame.base.position = -posed_joints(hand, frame)[kMiddleIntermediate].position;  // in the plane
+    samples(frame);
+    const Overlaps& overlaps = samples.scratch().samples->near.overlaps;
+    for (std::size_t k = 0; k < kPatchClasses; ++k) {
+      const SharedPatches all = overlaps.by_parts_of(k);
+      std::vector<double> one_by_one(shares(samples.scratch(), samples.model(), {}).size());
+      for (std::size_t i = 0; i < all.patches.size(); ++i) {
+        const auto own =
+            shares(samples.scratch(), samples.model(), {all.patches.subspan(i, 1), all.parts + i});
+        for (std::size_t j = 0; j < own.size(); ++j) one_by_one[j] += own[j];
+        rows_of_several += i > 0 && all.parts[i] != all.parts[i - 1];
+      }
+      EXPECT_EQ(shares(samples.scratch(), samples.model(), all), one_by_one) << pose << " " << k;
+    }
+  }
+  EXPECT_GT(rows_of_several, 50u);
 }
 
 // What the records of a hand's contacts come to together, per segment.

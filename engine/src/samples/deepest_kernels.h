@@ -1,10 +1,7 @@
-// What several bodies feel of sixteen patches that they meet (sample_kernels.h): each where it is the
-// deepest.
+// What one or two fingers and the palm feel of sixteen patches that they meet (sample_kernels.h): each where
+// it is the deepest.
 #pragma once
 
-#include <optional>
-
-#include "base/set_bits.h"
 #include "samples/palm_kernels.h"
 #include "samples/tile_kernels.h"
 
@@ -135,123 +132,6 @@ template <class V>
 std::uint32_t deepest_lattice(const PatchList& list, const Bodies& bodies, std::size_t tiles,
                               const TileSums& sums) {
   return tiles == 1 ? deepest_of<1, V>(list, bodies, sums) : deepest_of<2, V>(list, bodies, sums);
-}
-
-/// Any parts of a hand, as patches of a register see them that are listed for a tile of one finger.
-template <class V>
-struct SharingParts {
-  const Bodies& bodies;
-  std::size_t count = 0;
-  std::size_t number[Bodies::kMostParts];
-  PatchInFrame<V> patch[Bodies::kMostParts];
-  std::optional<PalmNearby<V>> palm;  // the last part, if it is one of them
-
-  SharingParts(const PatchRows& rows, std::size_t lane, const Bodies& all, std::uint64_t parts)
-      : bodies(all) {
-    const auto code = static_cast<std::uint32_t>(rows.seen_from[lane]);
-    for_numbers(parts, [&](std::size_t part) LUMBRICAL_INLINE {
-      const bool is_palm = part == palm_number(bodies);
-      float offset[3];
-      put_offset(is_palm ? bodies.palm.origin : finger_of(part).origin, bodies, code, offset);
-      Wide3<V> origin = in_all_lanes<V>(offset);
-      if (!is_palm) origin = origin + in_all_lanes<V>(tile_of(part).origin);
-      patch[count] = see_patch(rows, lane, is_palm ? bodies.palm.axis : tile_of(part).axis, origin);
-      if (is_palm) palm.emplace(bodies.palm, patch[count]);
-      number[count++] = part;
-    });
-  }
-  [[nodiscard]] const FingerBody& finger_of(std::size_t part) const { return bodies.finger[body_of(part)]; }
-  [[nodiscard]] const TileFrame& tile_of(std::size_t part) const {
-    return tile_at(bodies.finger.data(), part);
-  }
-  [[nodiscard]] TilePoint<V> point(std::size_t k, V u, V v) const { return tile_point(patch[k].at(u, v)); }
-  [[nodiscard]] V field(std::size_t k, V u, V v) const {
-    if (palm && k + 1 == count) return palm->field(patch[k].at(u, v));
-    return tile_field(numbers_of<V>(tile_of(number[k])), point(k, u, v));
-  }
-  /// What tells of the k-th part: its field, and what is positive where it is its own: first among its
-  /// finger's, and by how much more its finger has there than other bodies, by themselves as far as there is
-  /// room.
-  static constexpr std::size_t kBorders = 4;
-  struct Point {
-    V field;
-    std::array<V, kBorders> border;
-  };
-  [[nodiscard]] Point at(std::size_t k, V u, V v) const {
-    const V tie = number_of(kTie) * V(tile_of(number[0]).radius);
-    Point point{field(k, u, v), {}};
-    point.border.fill(number_of(1e30));
-    V own = point.field, others[kBorders];
-    std::fill(others, others + kBorders, number_of(kNowhere));
-    std::size_t body = body_of(number[0]), bodies_before = 0;
-    for (std::size_t other = 0; other < count; ++other) {
-      if (other == k) continue;
-      const V its = field(other, u, v);
-      if (body_of(number[other]) == body_of(number[k])) {
-        own = max(own, its);
-        point.border[0] = min(point.border[0], side_over(k, other, point.field, its, u, v));
-      } else {
-        if (body_of(number[other]) != body) ++bodies_before;
-        body = body_of(number[other]);
-        V& of_body = others[1 + bodies_before % (kBorders - 1)];
-        of_body =
-            max(of_body, other < k ? its + tie : its - tie);  // what they have in common is the first one's
-      }
-    }
-    for (std::size_t i = 1; i < kBorders; ++i) point.border[i] = own - others[i];
-    return point;
-  }
-
- private:
-  static V number_of(double value) { return lumbrical::LUMBRICAL_ISA::number<V>(value); }
-  // Neighbours part along their joint's border, the ends of a finger where their fields are equal.
-  [[nodiscard]] V side_over(std::size_t k, std::size_t kin, V own, V its, V u, V v) const {
-    const std::size_t inner = std::min(k, kin), outer = std::max(k, kin);
-    const V tie = number_of(kTie) * V(tile_of(number[inner]).radius);
-    const V of_inner = k == inner ? own : its, of_outer = k == outer ? own : its;
-    const V beyond = number[inner] + 1 == number[outer] ? side_of(inner, of_inner, outer, of_outer, u, v)
-                                                        : of_outer - of_inner;
-    return k == outer ? beyond - tie : tie - beyond;
-  }
-  // How much more a point is the outer tile's; `of_inner` and `of_outer` are their fields there.
-  [[nodiscard]] V side_of(std::size_t inner, V of_inner, std::size_t outer, V of_outer, V u, V v) const {
-    const TileNumbers<V> in = numbers_of<V>(tile_of(number[inner])),
-                         out = numbers_of<V>(tile_of(number[outer]));
-    const JointSides& joint = finger_of(number[inner]).joint[number[inner] % Bodies::kTilesApart];
-    return side_of_joint(numbers_of<V>(joint), in, TileClaim<V>{of_inner, place_on(in, point(inner, u, v))},
-                         out, TileClaim<V>{of_outer, place_on(out, point(outer, u, v))});
-  }
-};
-
-/// Patches that the same parts share, whichever: one part after the other.
-template <class V>
-std::uint32_t parts_lattice(const PatchList& list, const Bodies& bodies, std::uint64_t parts,
-                            const TileSums& sums) {
-  const std::size_t steps = steps_of_lane(list);
-  std::uint32_t touched = 0;
-  for_rows<V>(list, [&](const PatchRows& rows, std::size_t lane) LUMBRICAL_INLINE {
-    const SharingParts<V> sharing(rows, lane, bodies, parts);
-    for (std::size_t k = 0; k < sharing.count; ++k) {
-      if (!has_bit(sums.wanted, sharing.number[k])) continue;
-      using Point = typename SharingParts<V>::Point;
-      const auto point = [&](V u, float v) { return sharing.at(k, u, V(v)); };
-      CellSums<V> cells;
-      for_cells<Point>(
-          steps, [](float u) LUMBRICAL_INLINE { return V(u); }, point,
-          [&](float u, float v, bool upright, const Point& a, const Point& b, const Point& c,
-              const Point& centre) LUMBRICAL_INLINE {
-            const PartCell<V> own(a.field, b.field, c.field, centre.field);
-            std::array<AtCorners<V>, SharingParts<V>::kBorders> border;
-            for (std::size_t i = 0; i < border.size(); ++i)
-              border[i] = in_cell(a.border[i], b.border[i], c.border[i], centre.border[i]);
-            cells.add(V(u), V(v), upright, cell_within(own, border));
-          });
-      const auto [force, moment] = share_of(sharing.patch[k], cells.means(steps));
-      add_wrench(force, moment, lane, sums.of[sharing.number[k]]);
-      touched += count_of(lanes_with(force));
-    }
-  });
-  return touched;
 }
 
 }  // namespace lumbrical::LUMBRICAL_ISA

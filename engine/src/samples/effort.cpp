@@ -7,7 +7,7 @@ namespace {
 constexpr std::uint64_t kPerCell = 2;
 // Points of a block, and about those of a rule.
 constexpr std::uint64_t kPerBlock = 7, kPerRule = 16;
-// Fields of a point that any parts share: about three, for each of them.
+// What any parts share, in time: about four fields, and what parts them.
 constexpr std::uint64_t kPerParts = 9;
 
 // Share of a bound on effort from which on one cell a patch is mixed in.
@@ -31,7 +31,7 @@ Effort effort_of(const PatchRules& rules, const NearPatches& near) {
         count_of(near, kind::kTile, kind::kFarEnd + 2, k) +
         2 * count_of(near, kind::kInnerJoint, kind::kOuterJoint, k) +
         3 * count_of(near, kind::kFinger, kind::kFinger, k) + count_of(near, kind::kPalm, kind::kPalm, k) +
-        2 * near.overlaps.count_together(k) + kPerParts * near.overlaps.count_by_parts[k];
+        2 * near.overlaps.count_together(k) + kPerParts * near.overlaps.count_by_parts(k);
     effort.always += smooth;
     effort.one_cell += smooth + kPerCell * shares;
     for (std::size_t level = 0; level < kLevels; ++level) {

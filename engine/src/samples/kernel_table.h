@@ -6,6 +6,7 @@
 #include "samples/classify.h"
 #include "samples/deepest_kernels.h"
 #include "samples/palm_kernels.h"
+#include "samples/parts_kernels.h"
 #include "samples/tile_kernels.h"
 
 namespace lumbrical::LUMBRICAL_ISA {

@@ -6,6 +6,7 @@
 #pragma once
 
 #include <array>
+#include <type_traits>
 #include <utility>
 
 #include "index/patches.h"
@@ -65,7 +66,8 @@ inline constexpr std::array<LatticePlaces, kMostStepsAtOnce + 1> kLatticePlaces 
 }();
 
 /// Goes through the cells row by row. `row(u)` is what a row's points have in common, `field(row, v)` the
-/// field at one of them, or the fields, at corners and at cells' centroids (u, v), and
+/// field at one of them, or the fields (`field(row, v, to)` writes large ones in place), at corners and at
+/// cells' centroids (u, v), and
 /// `take(u, v, upright, a, b, c, centre)` gets a cell. Two cells that make a square have b and c in common,
 /// of which b has the greater u and c the greater v; a is at the corner with less of both where the cell is
 /// upright. Fields come first and cells after: each by itself has less to wait for.
@@ -76,17 +78,24 @@ LUMBRICAL_INLINE inline void for_cells(std::size_t steps, const Row& row, const 
   Value values[2][kMostStepsAtOnce + 1];
   Value upright[kMostStepsAtOnce], inverted[kMostStepsAtOnce];
   Value *above = values[0], *below = values[1];
-  const auto fill_row = [&](const auto& of_row, std::size_t count, Value* to) LUMBRICAL_INLINE {
-    for (std::size_t j = 0; j < count; ++j) to[j] = field(of_row, at.point[j]);
-  };
-  fill_row(row(0.0f), steps + 1, above);
+  const auto fill = [&](const auto& of_row, std::size_t count, const float* places, Value* to)
+                        LUMBRICAL_INLINE {
+                          for (std::size_t j = 0; j < count; ++j) {
+                            if constexpr (std::is_invocable_v<Field, decltype(of_row), float, Value&>) {
+                              field(of_row, places[j], to[j]);
+                            } else {
+                              to[j] = field(of_row, places[j]);
+                            }
+                          }
+                        };
+  fill(row(0.0f), steps + 1, at.point, above);
   for (std::size_t i = 0; i < steps; ++i) {
     const float up = at.upright[i], down = at.inverted[i];
     const auto up_row = row(up), down_row = row(down);
     const std::size_t last = steps - i - 1;
-    fill_row(row(at.point[i + 1]), last + 1, below);
-    for (std::size_t j = 0; j <= last; ++j) upright[j] = field(up_row, at.upright[j]);
-    for (std::size_t j = 0; j < last; ++j) inverted[j] = field(down_row, at.inverted[j]);
+    fill(row(at.point[i + 1]), last + 1, at.point, below);
+    fill(up_row, last + 1, at.upright, upright);
+    fill(down_row, last, at.inverted, inverted);
     for (std::size_t j = 0; j < last; ++j) {
       take(up, at.upright[j], true, above[j], below[j], above[j + 1], upright[j]);
       take(down, at.inverted[j], false, below[j + 1], below[j], above[j + 1], inverted[j]);

@@ -270,10 +270,9 @@ void put_in_order(std::span<const FoundTogether> found, std::array<std::uint32_t
 
 // The parts of each patch in one, and patches of the same class and parts in a row.
 void put_by_parts_in_order(std::span<FoundByParts> found, Overlaps& overlaps) {
-  const auto by_place = [](const FoundByParts& a, const FoundByParts& b) {
+  std::sort(found.begin(), found.end(), [](const FoundByParts& a, const FoundByParts& b) {
     return std::tie(a.place, a.parts) < std::tie(b.place, b.parts);
-  };
-  std::sort(found.begin(), found.end(), by_place);
+  });
   std::size_t count = 0;
   for (const FoundByParts& patch : found) {
     if (count > 0 && found[count - 1].place == patch.place) {
@@ -286,17 +285,15 @@ void put_by_parts_in_order(std::span<FoundByParts> found, Overlaps& overlaps) {
   std::sort(found.begin(), found.end(), [](const FoundByParts& a, const FoundByParts& b) {
     return std::tie(a.patch_class, a.parts, a.place) < std::tie(b.patch_class, b.parts, b.place);
   });
-  for (std::uint32_t i = 0; i < count; ++i) {
+  auto& begin = overlaps.by_parts_begin;
+  for (std::size_t i = 0; i < count; ++i) {
     const FoundByParts& patch = found[i];
-    if (overlaps.runs.empty() || overlaps.runs.back().patch_class != patch.patch_class ||
-        overlaps.runs.back().parts != patch.parts)
-      overlaps.runs.push_back({patch.parts, patch.patch_class, i, i});
-    ++overlaps.runs.back().end;
-    ++overlaps.count_by_parts[patch.patch_class];
+    ++begin[patch.patch_class + 1];
     overlaps.parts |= patch.parts;
-    const std::uint64_t first = patch.parts & (~patch.parts + 1);
-    overlaps.by_parts[i] = {patch.place, static_cast<std::uint32_t>(std::countr_zero(first))};
+    overlaps.parts_of[i] = patch.parts;
+    overlaps.by_parts[i] = {patch.place, static_cast<std::uint32_t>(std::countr_zero(patch.parts))};
   }
+  std::partial_sum(begin.begin(), begin.end(), begin.begin());
 }
 
 }  // namespace
@@ -313,7 +310,7 @@ void size_overlaps(const Model& model, Overlaps& overlaps) {
   at_least(most + kMostOfBlock, overlaps.together);
   at_least(most + kMostOfBlock, overlaps.found_by_parts);
   at_least(most + kMostOfBlock, overlaps.by_parts);
-  overlaps.runs.reserve(most + kMostOfBlock);
+  at_least(most + kMostOfBlock, overlaps.parts_of);
 }
 
 bool part_overlaps(const Model& model, const CutPatches& cuts, const Bodies& bodies, Rivals& rivals,

@@ -44,10 +44,10 @@ struct FoundByParts {
   std::uint32_t place, patch_class;
   std::uint64_t parts;
 };
-/// Patches of a class that the same parts share, in Overlaps::by_parts.
-struct PartsRun {
-  std::uint64_t parts;
-  std::uint32_t patch_class, begin, end;
+/// Patches, and of each the parts of the hand that share it, a bit each.
+struct SharedPatches {
+  std::span<const ListedPatch> patches;
+  const std::uint64_t* parts;
 };
 
 /// What there is room for is sized once; blocks that are met are unmarked again after every search.
@@ -65,8 +65,8 @@ struct Overlaps {
   std::array<std::uint32_t, 2 * kPatchClasses + 1> together_begin{};  ///< by number of tiles and class
   std::vector<FoundByParts> found_by_parts;
   std::vector<ListedPatch> by_parts;
-  std::vector<PartsRun> runs;  ///< of those
-  std::array<std::uint32_t, kPatchClasses> count_by_parts{};
+  std::vector<std::uint64_t> parts_of;  ///< each of those
+  std::array<std::uint32_t, kPatchClasses + 1> by_parts_begin{};
 
   /// What one or two tiles and the palm share.
   [[nodiscard]] std::span<const ListedPatch> together_of(std::size_t tiles, std::size_t patch_class) const {
@@ -76,19 +76,24 @@ struct Overlaps {
   [[nodiscard]] std::size_t count_together(std::size_t patch_class) const {
     return together_of(1, patch_class).size() + together_of(2, patch_class).size();
   }
+  /// What other parts share, those that the same ones share in a row.
+  [[nodiscard]] SharedPatches by_parts_of(std::size_t patch_class) const {
+    const std::uint32_t begin = by_parts_begin[patch_class], end = by_parts_begin[patch_class + 1];
+    return {std::span(by_parts).subspan(begin, end - begin), parts_of.data() + begin};
+  }
+  [[nodiscard]] std::size_t count_by_parts(std::size_t patch_class) const {
+    return by_parts_begin[patch_class + 1] - by_parts_begin[patch_class];
+  }
   /// Of all, by the bodies that share them: two at least.
   [[nodiscard]] std::uint32_t patch_count() const {
-    std::uint32_t count = together_begin.back();
-    for (const PartsRun& run : runs) count += run.end - run.begin;
-    return 2 * count;
+    return 2 * (together_begin.back() + by_parts_begin.back());
   }
   [[nodiscard]] bool has(std::size_t patch_class) const {
-    return count_together(patch_class) + count_by_parts[patch_class] > 0;
+    return count_together(patch_class) + count_by_parts(patch_class) > 0;
   }
   void forget() {
     together_begin.fill(0);
-    count_by_parts.fill(0);
-    runs.clear();
+    by_parts_begin.fill(0);
     parts = 0;
   }
 };

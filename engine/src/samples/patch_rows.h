@@ -18,6 +18,7 @@ struct PatchRows {
   alignas(64) float corner[3][kWidth];   // [m]
   alignas(64) float edge[2][3][kWidth];  // [m]
   alignas(64) float seen_from[kWidth];   // ListedPatch::tile
+  std::size_t first;                     // lane's number among all of a list
 };
 
 /// A body's origin in fours, kept as long as patches are of the same body.
@@ -120,6 +121,7 @@ LUMBRICAL_INLINE inline void for_rows(const PatchList& list, const Take& take) {
   for (std::size_t first = 0; first < count; first += PatchRows::kWidth) {
     const std::size_t lanes = std::min(count - first, PatchRows::kWidth);
     gather(list, first, lanes, rows);
+    rows.first = first;
     prefetch_row(list, first + PatchRows::kWidth);
     for (std::size_t lane = 0; lane < lanes; lane += wide::Lanes<V>::kCount) take(rows, lane);
   }

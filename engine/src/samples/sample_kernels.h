@@ -234,8 +234,8 @@ struct SampleKernels {
   /// One or two tiles, of different fingers, and the palm, each where it is the deepest.
   std::uint32_t (*deepest_lattice)(const PatchList& list, const Bodies& bodies, std::size_t tiles,
                                    const TileSums& sums);
-  /// Any parts, the same for all patches.
-  std::uint32_t (*parts_lattice)(const PatchList& list, const Bodies& bodies, std::uint64_t parts,
+  /// Any parts, `parts` of each patch.
+  std::uint32_t (*parts_lattice)(const PatchList& list, const Bodies& bodies, const std::uint64_t* parts,
                                  const TileSums& sums);
 };
 

@@ -81,13 +81,11 @@ void run_together(SampleWork& work, std::size_t patch_class, std::size_t steps, 
     const PatchList list = work.list(work.own_part(overlaps.together_of(tiles, patch_class)), steps);
     if (list.count > 0) work.memory.touched += work.kernels.deepest_lattice(list, work.bodies, tiles, sums);
   }
-  if (overlaps.count_by_parts[patch_class] == 0) return;
-  for (const PartsRun& run : overlaps.runs) {
-    if (run.patch_class != patch_class) continue;
-    const auto all = std::span(overlaps.by_parts).subspan(run.begin, run.end - run.begin);
-    const PatchList list = work.list(work.own_part(all), steps);
-    if (list.count > 0) work.memory.touched += work.kernels.parts_lattice(list, work.bodies, run.parts, sums);
-  }
+  const SharedPatches shared = overlaps.by_parts_of(patch_class);
+  const PatchList list = work.list(work.own_part(shared.patches), steps);
+  if (list.count == 0) return;
+  const std::uint64_t* const parts = shared.parts + (list.patches - shared.patches.data());
+  work.memory.touched += work.kernels.parts_lattice(list, work.bodies, parts, sums);
 }
 
 }  // namespace
