@@ -24,6 +24,7 @@
 #include "base/floating_point.h"
 #include "borders/pair_contact.h"
 #include "machine.h"
+#include "origin.h"
 #include "read_number.h"
 #include "timing.h"
 #include "usage.h"
@@ -364,6 +365,7 @@ int main(int count, char** words) {
                       words);
   }
   Report report;
+  report.origin = origin_members();
   report.cpu = cpu_name();
   report.isa = isa_name();
   report.compiler = LUMBRICAL_COMPILER;

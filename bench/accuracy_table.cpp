@@ -103,7 +103,7 @@ std::string to_markdown(const Report& report) {
 }
 
 std::string to_json(const Report& report) {
-  std::string text = "{\n";
+  std::string text = "{" + report.origin;
   for (const auto& [key, value] : {std::pair{"cpu", &report.cpu},
                                    {"isa", &report.isa},
                                    {"compiler", &report.compiler},

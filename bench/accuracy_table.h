@@ -31,6 +31,7 @@ struct Speed {
 
 struct Report {
   std::string cpu, isa, compiler, flags, command;
+  std::string origin;  ///< of the build: origin_members()
   std::size_t pairs = 0, missed = 0;
   double largest_missed = 0;  ///< [R^2] contacted area of a pair the engine holds for apart
   /// The reference's own errors: what it estimates, and against fifty digits.

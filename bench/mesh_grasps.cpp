@@ -3,7 +3,7 @@
 //
 // Each mesh is moved onto the plane z = 0 and scaled to --size [m]; the default hand, its palm included, goes
 // round it as round the demo's mug, every rung in turn at each of up to 2000 moments. Files that are no
-// meshes are named and left out.
+// meshes are named and left out, in the results too.
 //
 //   mesh_grasps MESHES [--size 0.11] [--seconds 3] [--felt-once by-samples] [--out FOLDER]
 #include <algorithm>
@@ -19,6 +19,7 @@
 #include "../tools/lumbrical/compare_precision.h"
 #include "lumbrical/mesh.h"
 #include "machine.h"
+#include "origin.h"
 #include "print.h"
 #include "usage.h"
 
@@ -38,6 +39,21 @@ struct Row {
   std::size_t triangles = 0;
   tool::PrecisionComparison comparison;
 };
+
+struct Grasps {
+  std::vector<Row> rows;
+  std::vector<std::string> left_out;  // "file: why"
+  std::string origin;                 // origin_members()
+};
+
+// [us] What an exact tick takes by default: of each part of the hand by itself.
+double exact_by_itself(const Row& row) {
+  const tool::PrecisionComparison& comparison = row.comparison;
+  return (comparison.exact_for_each ? *comparison.exact_for_each : comparison.rungs[0]).median_us;
+}
+
+// [us] Where exact ticks feel once what several parts hold, as samples do.
+double exact_felt_once(const Row& row) { return row.comparison.rungs[0].median_us; }
 
 bool parse(int count, char** words, Options& options) {
   if (count % 2 != 0 || words[1][0] == '-') return false;
@@ -94,46 +110,71 @@ std::string rung_name(double precision) {
   return precision > 0 ? print("1e%.0f", std::log10(precision)) : "exact";
 }
 
-std::string to_markdown(const std::vector<Row>& rows, const std::string& command) {
+struct Line {
+  std::string rung;
+  const tool::PrecisionFigures* figures;
+};
+
+// The exact rung of each part for itself is the last, where it feels anything else than the one felt once.
+std::vector<Line> lines_of(const Row& row) {
+  std::vector<Line> lines;
+  for (const tool::PrecisionFigures& rung : row.comparison.rungs)
+    lines.push_back({rung_name(rung.precision), &rung});
+  if (row.comparison.exact_for_each) lines.push_back({"exact for each", &*row.comparison.exact_for_each});
+  return lines;
+}
+
+std::string to_markdown(const Grasps& grasps, const std::string& command) {
   std::string text = print(
       "# The built-in grasp on real meshes\n\nOn %s, %s with `%s`, %s, one thread. Repeat it "
       "with\n\n```\n%s\n```\n\n"
       "Moments at which the hand feels more than %g N; errors are shares of the segments' forces "
-      "together.\n\n",
+      "together, against the rung exact, which feels once what several parts of the hand hold. \"exact for "
+      "each\" feels each part for itself, as exact settings do by default: \"times exact\" is against its "
+      "time, \"times exact, felt once\" against that of the rung exact.\n\n",
       cpu_name().c_str(), LUMBRICAL_COMPILER, LUMBRICAL_COMPILER_FLAGS,
       std::string(isa_name(widest_isa())).c_str(), command.c_str(), tool::kLeastForce);
   text +=
-      "| mesh | triangles | contacts | moments | rung | median us | p99 us | times exact | hand, 98 % | "
-      "hand, worst | "
-      "segment, 98 % |\n|---|---|---|---|---|---|---|---|---|---|---|\n";
-  for (const Row& row : rows) {
-    for (const tool::PrecisionFigures& rung : row.comparison.rungs)
-      text += print("| %s | %zu | %.0f | %zu | %s | %.1f | %.1f | %.1f | %.1e | %.1e | %.1e |\n",
-                    row.mesh.c_str(), row.triangles, row.comparison.contacts,
-                    static_cast<std::size_t>(row.comparison.ticks), rung_name(rung.precision).c_str(),
-                    rung.median_us, rung.p99_us, row.comparison.rungs[0].median_us / rung.median_us,
-                    rung.hand_error, rung.worst_hand_error, rung.segment_error);
+      "| mesh | triangles | contacts | moments | rung | median us | p99 us | times exact | times exact, felt "
+      "once | "
+      "hand, 98 % | hand, worst | "
+      "segment, 98 % |\n|---|---|---|---|---|---|---|---|---|---|---|---|\n";
+  for (const Row& row : grasps.rows) {
+    for (const auto& [name, rung] : lines_of(row))
+      text +=
+          print("| %s | %zu | %.0f | %zu | %s | %.1f | %.1f | %.3g | %.3g | %.1e | %.1e | %.1e |\n",
+                row.mesh.c_str(), row.triangles, row.comparison.contacts,
+                static_cast<std::size_t>(row.comparison.ticks), name.c_str(), rung->median_us, rung->p99_us,
+                exact_by_itself(row) / rung->median_us, exact_felt_once(row) / rung->median_us,
+                rung->hand_error, rung->worst_hand_error, rung->segment_error);
   }
+  if (!grasps.left_out.empty()) text += "\nLeft out:\n\n";
+  for (const std::string& one : grasps.left_out) text += "- " + one + "\n";
   return text;
 }
 
-std::string to_json(const std::vector<Row>& rows, const std::string& command) {
-  std::string text = "{\n  \"cpu\": " + quoted(cpu_name()) +
+std::string to_json(const Grasps& grasps, const std::string& command) {
+  std::string left_out;
+  for (const std::string& one : grasps.left_out) left_out += (left_out.empty() ? "" : ", ") + quoted(one);
+  std::string text = "{" + grasps.origin + "  \"cpu\": " + quoted(cpu_name()) +
                      ",\n  \"isa\": " + quoted(std::string(isa_name(widest_isa()))) +
                      ",\n  \"compiler\": " + quoted(LUMBRICAL_COMPILER) +
                      ",\n  \"flags\": " + quoted(LUMBRICAL_COMPILER_FLAGS) +
-                     ",\n  \"command\": " + quoted(command) + ",\n  \"meshes\": [";
+                     ",\n  \"command\": " + quoted(command) + ",\n  \"left_out\": [" + left_out +
+                     "],\n  \"meshes\": [";
   const char* separator = "\n";
-  for (const Row& row : rows) {
-    for (const tool::PrecisionFigures& rung : row.comparison.rungs) {
-      text += separator + ("    {\"mesh\": " + quoted(row.mesh)) +
-              print(", \"triangles\": %zu, \"contacts\": %.1f, \"moments\": %zu, \"rung\": \"%s\"",
-                    row.triangles, row.comparison.contacts, static_cast<std::size_t>(row.comparison.ticks),
-                    rung_name(rung.precision).c_str());
+  for (const Row& row : grasps.rows) {
+    for (const auto& [name, rung] : lines_of(row)) {
+      text +=
+          separator + ("    {\"mesh\": " + quoted(row.mesh)) +
+          print(", \"triangles\": %zu, \"contacts\": %.1f, \"moments\": %zu, \"rung\": \"%s\"", row.triangles,
+                row.comparison.contacts, static_cast<std::size_t>(row.comparison.ticks), name.c_str());
       text += print(
-          ", \"median_us\": %.3f, \"p99_us\": %.3f, \"hand_error\": %.3e, \"worst_hand_error\": %.3e, "
-          "\"segment_error\": %.3e}",
-          rung.median_us, rung.p99_us, rung.hand_error, rung.worst_hand_error, rung.segment_error);
+          ", \"median_us\": %.3f, \"p99_us\": %.3f, \"times_exact\": %.3f, \"times_exact_felt_once\": %.3f, "
+          "\"hand_error\": %.3e, \"worst_hand_error\": %.3e, \"segment_error\": %.3e}",
+          rung->median_us, rung->p99_us, exact_by_itself(row) / rung->median_us,
+          exact_felt_once(row) / rung->median_us, rung->hand_error, rung->worst_hand_error,
+          rung->segment_error);
       separator = ",\n";
     }
   }
@@ -151,26 +192,48 @@ std::vector<std::string> files_of(const std::string& folder) {
   return files;
 }
 
-int run(const Options& options, const std::string& command) {
-  std::vector<Row> rows;
+// Where someone keeps meshes says nothing: a message in the results begins with the file's name.
+std::string without_folder(const std::string& message, const std::string& path) {
+  const std::string folder = path.substr(0, path.rfind('/') + 1);
+  return message.starts_with(folder) ? message.substr(folder.size()) : message;
+}
+
+Grasps measure_all(const Options& options) {
+  Grasps grasps;
+  grasps.origin = origin_members();
   for (const std::string& file : files_of(options.meshes)) {
     Row row;
-    const Status status = measure(file, options, row);
-    if (!status.ok()) std::fprintf(stderr, "left out: %s\n", status.message().c_str());
-    if (status.ok() && row.comparison.ticks == 0)
-      std::fprintf(stderr, "left out: %s: is not touched\n", file.c_str());
-    if (status.ok() && row.comparison.ticks > 0) rows.push_back(std::move(row));
+    Status status = measure(file, options, row);
+    if (status.ok() && row.comparison.ticks == 0) status = Status::error(file + ": is not touched");
+    if (status.ok()) {
+      grasps.rows.push_back(std::move(row));
+    } else {
+      std::fprintf(stderr, "left out: %s\n", status.message().c_str());
+      grasps.left_out.push_back(without_folder(status.message(), file));
+    }
   }
-  if (rows.empty()) {
-    std::fprintf(stderr, "%s: holds no mesh that a grasp touches\n", options.meshes.c_str());
+  return grasps;
+}
+
+int run(const Options& options, const std::string& command) {
+  std::error_code error;
+  if (!fs::is_directory(options.meshes, error)) {
+    std::fprintf(stderr, "mesh_grasps: %s is no folder; name one that holds mesh files\n",
+                 options.meshes.c_str());
     return 2;
   }
-  const std::string table = to_markdown(rows, command);
+  const Grasps grasps = measure_all(options);
+  if (grasps.rows.empty()) {
+    std::fprintf(stderr, "%s: holds no mesh that a grasp touches; put mesh files of closed things there\n",
+                 options.meshes.c_str());
+    return 2;
+  }
+  const std::string table = to_markdown(grasps, command);
   if (options.out.empty()) return std::fputs(table.c_str(), stdout) < 0 ? 1 : 0;
   fs::create_directories(options.out);
   std::ofstream markdown(options.out + "/meshes.md"), json(options.out + "/meshes.json");
   markdown << table;
-  json << to_json(rows, command);
+  json << to_json(grasps, command);
   markdown.close();
   json.close();
   if (!markdown.fail() && !json.fail()) return 0;

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "experiments.h"
+#include "origin.h"
 #include "print.h"
 
 namespace lumbrical::bench {
@@ -134,7 +135,7 @@ std::string pokes() {
 }  // namespace
 
 std::string paper_figures_json(const std::string& command) {
-  return "{\"title\": \"The paper's experiments\",\n\"command\": " + quoted(command) +
+  return "{" + origin_members() + "\"title\": \"The paper's experiments\",\n\"command\": " + quoted(command) +
          ",\n\"figures\": " + list({triangle_sizes(), slides(), slopes(), fingertips(), pokes()}) + "}\n";
 }
 

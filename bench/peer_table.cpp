@@ -52,9 +52,10 @@ std::string to_markdown(const PeerReport& report) {
 
 std::string to_json(const PeerReport& report) {
   std::string text =
-      "{\n  \"cpu\": " + quoted(report.cpu) + ",\n  \"compiler\": " + quoted(report.compiler) +
-      ",\n  \"flags\": " + quoted(report.flags) + ",\n  \"isa\": " + quoted(report.isa) +
-      ",\n  \"command\": " + quoted(report.command) + ",\n  \"poses\": " + std::to_string(report.poses) +
+      "{" + report.origin + "  \"cpu\": " + quoted(report.cpu) +
+      ",\n  \"compiler\": " + quoted(report.compiler) + ",\n  \"flags\": " + quoted(report.flags) +
+      ",\n  \"isa\": " + quoted(report.isa) + ",\n  \"command\": " + quoted(report.command) +
+      ",\n  \"poses\": " + std::to_string(report.poses) +
       ",\n  \"clock\": " + quoted(report.processor_time ? "processor" : "wall") + ",\n  \"rows\": [";
   const char* separator = "\n";
   for (const PeerRow& row : report.rows) {

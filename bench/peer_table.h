@@ -28,6 +28,7 @@ struct PeerRow {
 
 struct PeerReport {
   std::string cpu, compiler, flags, isa, command;
+  std::string origin;  ///< of the build: origin_members()
   int poses = 0;
   bool processor_time = false;  ///< else by the clock on the wall
   std::vector<PeerRow> rows;

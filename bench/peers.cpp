@@ -19,6 +19,7 @@
 #include "hand_scenes.h"
 #include "machine.h"
 #include "model/corner_normals.h"
+#include "origin.h"
 #include "peer.h"
 #include "peer_table.h"
 #include "peer_truth.h"
@@ -354,6 +355,7 @@ int main(int count, char** words) {
         count, words);
   }
   PeerReport report;
+  report.origin = origin_members();
   report.cpu = cpu_name();
   report.compiler = LUMBRICAL_COMPILER;
   report.flags = LUMBRICAL_COMPILER_FLAGS;

@@ -19,6 +19,7 @@
 #include "lumbrical/shapes.h"
 #include "lumbrical/tick.h"
 #include "machine.h"
+#include "origin.h"
 #include "print.h"
 #include "usage.h"
 
@@ -128,6 +129,7 @@ int run(const std::string& folder) {
     std::fprintf(stderr, "stage_times: %s is no folder\n", folder.c_str());
     return 2;
   }
+  const std::string origin = origin_members();  // the load before it
   std::string rows;
   for (const Case& one : all_cases()) {
     Times times;
@@ -142,7 +144,8 @@ int run(const std::string& folder) {
   std::string stages;
   for (const char* const stage : tool::kStageWords) stages += (stages.empty() ? "" : ", ") + quoted(stage);
   std::ofstream file(folder + "/stages.json");
-  file << "{\"cpu\": " << quoted(cpu_name()) << ", \"isa\": " << quoted(std::string(isa_name(widest_isa())))
+  file << "{" << origin << "\"cpu\": " << quoted(cpu_name())
+       << ", \"isa\": " << quoted(std::string(isa_name(widest_isa())))
        << ", \"compiler\": " << quoted(__VERSION__)
        << ", \"flags\": \"\", \"command\": \"build/release/bench/stage_times FOLDER\",\n"
        << "\"note\": "
