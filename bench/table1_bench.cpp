@@ -29,6 +29,7 @@ struct Pairs {
 Pairs make_pairs(bool is_sphere, Law law) {
   Pairs pairs;
   test::Random random(7);
+  pairs.model.build = 1;  // put together here, by no build_model
   pairs.model.execution.broadphase = Broadphase::brute;
   pairs.model.execution.isa = widest_isa();
   pairs.model.settings.max_candidates = kPairs;
