@@ -44,14 +44,28 @@ Status read_folder(const std::string& path, ResultFolder& folder) {
   return {};
 }
 
+Status check_folders(const std::vector<std::string>& paths) {
+  for (std::size_t i = 0; i < paths.size(); ++i) {
+    for (std::size_t k = 0; k < i; ++k) {
+      std::error_code error;
+      if (fs::equivalent(paths[i], paths[k], error))
+        return Status::error(paths[i] + ": is named twice; name another folder to hold it against");
+    }
+  }
+  return {};
+}
+
 Status write_page(const std::string& path, const std::string& page) {
   return replace_file(path, page, "page of a report", "<title>Lumbrical: benchmark results</title>");
 }
 
 Status write_targets(const std::string& path, const std::vector<ResultFolder>& folders) {
   std::string targets;
-  for (const ResultFolder& folder : folders)
-    targets += table_markdown("Targets: " + folder.name, targets_of(folder.results));
+  for (const ResultFolder& folder : folders) {
+    const std::string title = "Targets: " + folder.name;
+    const std::string table = table_markdown(title, targets_of(folder.results));
+    targets += table.empty() ? "## " + title + "\n\nNothing measured here has a target.\n\n" : table;
+  }
   return replace_file(path, targets, "table of targets", "## Targets: ");
 }
 
@@ -63,17 +77,36 @@ Status write_picture(const std::string& path, const ResultFolder& folder, const 
                       "svg text { fill: var(--weak)");
 }
 
+Status read_folders(const std::vector<std::string>& paths, std::vector<ResultFolder>& folders) {
+  if (Status status = check_folders(paths); !status.ok()) return status;
+  for (const std::string& path : paths)
+    if (Status status = read_folder(path, folders.emplace_back()); !status.ok()) return status;
+  return {};
+}
+
+int tell(const ReportSwitches& switches, const std::vector<ResultFolder>& folders, std::size_t page_size) {
+  std::size_t files = 0, figures = 0;
+  for (const ResultFolder& folder : folders) {
+    files += folder.results.size();
+    for (const Results& results : folder.results)
+      figures += results.figures.size() + results.curves.size() + results.bars.size();
+  }
+  const std::vector<std::string> warnings = origin_warnings(folders);
+  if (switches.json) {
+    Json summary = {{"page", switches.out}, {"files", files}, {"figures", figures}, {"warnings", warnings}};
+    return print_json(summary);
+  }
+  for (const std::string& warning : warnings) warn(warning);
+  std::string text = switches.out + ": " + grouped(figures) + " figures from " + grouped(files) + " files, " +
+                     brief(1e-3 * static_cast<double>(page_size)) + " kB\n";
+  return print_text(text);
+}
+
 int report(const ReportSwitches& switches) {
   if (Status status = check_apart({switches.out, switches.targets, switches.picture}); !status.ok())
     return fail(status);
-  std::vector<ResultFolder> folders(switches.folders.size());
-  std::size_t files = 0, figures = 0;
-  for (std::size_t i = 0; i < folders.size(); ++i) {
-    if (Status status = read_folder(switches.folders[i], folders[i]); !status.ok()) return fail(status);
-    files += folders[i].results.size();
-    for (const Results& results : folders[i].results)
-      figures += results.figures.size() + results.curves.size() + results.bars.size();
-  }
+  std::vector<ResultFolder> folders;
+  if (Status status = read_folders(switches.folders, folders); !status.ok()) return fail(status);
   const std::string page = page_html(folders);
   if (Status status = write_page(switches.out, page); !status.ok()) return fail(status);
   if (!switches.targets.empty())
@@ -82,9 +115,7 @@ int report(const ReportSwitches& switches) {
     if (Status status = write_picture(switches.picture, folders.back(), switches.folders.back());
         !status.ok())
       return fail(status);
-  if (switches.json) return print_json({{"page", switches.out}, {"files", files}, {"figures", figures}});
-  return print_text(switches.out + ": " + grouped(figures) + " figures from " + grouped(files) + " files, " +
-                    brief(1e-3 * static_cast<double>(page.size())) + " kB\n");
+  return tell(switches, folders, page.size());
 }
 
 }  // namespace

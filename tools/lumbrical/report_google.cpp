@@ -2,10 +2,12 @@
 #include "report_google.h"
 
 #include <algorithm>
+#include <map>
 #include <set>
 #include <sstream>
 
 #include "report_json.h"
+#include "report_origin.h"
 
 namespace lumbrical::tool {
 namespace {
@@ -17,6 +19,8 @@ struct Measured {
   const Json* row = nullptr;
   std::string where;
   double microseconds = 0;  // per iteration
+  std::size_t repetitions = 1;
+  double spread = 0;  // of repetitions: standard deviation over median
 };
 
 double microseconds_per(const std::string& unit, const std::string& where) {
@@ -38,6 +42,28 @@ std::string words(const std::vector<std::string>& parts, std::size_t first, std:
   for (std::size_t i = first; i < std::min(last, parts.size()); ++i)
     text += (text.empty() ? "" : ", ") + parts[i];
   return text;
+}
+
+// The time that a benchmark is judged by: a tick's own, or one iteration's.
+double judged_time(const Json& row) {
+  const char* const key = row.contains("p50_us") ? "p50_us" : "real_time";
+  return row.contains(key) && row[key].is_number() ? row[key].get<double>() : 0;
+}
+
+// How far repetitions went apart, of the two aggregates that stand beside each other in a file.
+void add_spread(const Json& rows, std::vector<Measured>& all) {
+  std::map<std::string, double> deviation;
+  for (const Json& row : rows) {
+    if (row.value("aggregate_name", Json()) == "stddev" && row.contains("run_name"))
+      deviation[text_at(row, "run_name", "benchmarks")] = judged_time(row);
+  }
+  for (Measured& measured : all) {
+    const Json& row = *measured.row;
+    if (row.contains("repetitions"))
+      measured.repetitions = static_cast<std::size_t>(amount_at(row, "repetitions", measured.where));
+    const auto found = deviation.find(row.value("run_name", std::string()));
+    if (found != deviation.end() && judged_time(row) > 0) measured.spread = found->second / judged_time(row);
+  }
 }
 
 // Of repetitions only the median counts, where it was asked for; a benchmark that gave up has no time.
@@ -68,6 +94,7 @@ std::vector<Measured> measured_in(const Json& rows) {
     measured.name = measured.name.substr(0, measured.name.find("/real_time"));
     all.push_back(std::move(measured));
   }
+  add_spread(rows, all);
   return all;
 }
 
@@ -252,13 +279,25 @@ void add_table(const std::vector<Measured>& all, Results& results) {
       if (is_counter(key, value)) index_of(counters, key);
     }
   }
+  const bool repeated =
+      std::any_of(all.begin(), all.end(), [](const Measured& measured) { return measured.repetitions > 1; });
   results.table.head = {"benchmark", "us per iteration"};
+  if (repeated) {
+    results.table.head.insert(results.table.head.end(), {"repetitions", "spread"});
+    results.notes.push_back(
+        "Figures are medians of the repetitions; spread is the standard deviation over the median, of p50_us "
+        "where there is one, else of the time per iteration.");
+  }
   results.table.head.insert(results.table.head.end(), counters.begin(), counters.end());
   for (const Measured& measured : all) {
     auto& kept = results.counters[measured.name];
     kept["microseconds"] = measured.microseconds;
     std::vector<std::string>& row = results.table.rows.emplace_back();
     row = {measured.name, brief(measured.microseconds)};
+    if (repeated) {
+      row.push_back(std::to_string(measured.repetitions));
+      row.push_back(measured.repetitions > 1 ? brief(100 * measured.spread, 2) + " %" : "");
+    }
     for (const std::string& counter : counters) {
       const bool has = has_number(measured, counter.c_str());
       if (has) kept[counter] = (*measured.row)[counter].get<double>();
@@ -273,6 +312,7 @@ void add_context(const Json& context, Results& results) {
   for (const char* const key : {"cpu", "isa", "compiler", "date", "library_version"}) {
     if (context.contains(key)) results.origin.emplace_back(key, text_at(context, key, "context"));
   }
+  add_build(context, results);
   if (!context.contains("cpu"))
     results.origin.emplace_back("cpu", brief(positive_at(context, "num_cpus", "context")) + " cores of " +
                                            brief(positive_at(context, "mhz_per_cpu", "context")) + " MHz");
@@ -280,6 +320,7 @@ void add_context(const Json& context, Results& results) {
   results.title = program.substr(program.rfind('/') + 1);
   const bool knows_command = context.contains("command");
   results.command = knows_command ? text_at(context, "command", "context") : program;
+  if ((results.command + " ").find(" --quick ") != std::string::npos) results.is_quick = true;
 }
 
 }  // namespace

@@ -85,8 +85,11 @@ std::string list_html(const std::vector<std::string>& sentences) {
 }
 
 std::string targets_html(const ResultTable& targets) {
-  const std::size_t met = met_targets(targets), all = targets.rows.size();
-  return folded_html(std::to_string(met) + " of " + std::to_string(all) + " are met", targets);
+  const std::size_t met = met_targets(targets), all = judged_targets(targets);
+  const std::string quick = all < targets.rows.size() ? "; of --quick, and so neither met nor missed: " +
+                                                            std::to_string(targets.rows.size() - all)
+                                                      : "";
+  return folded_html(std::to_string(met) + " of " + std::to_string(all) + " are met" + quick, targets);
 }
 
 std::string comparison_html(const ResultFolder& before, const ResultFolder& after) {
@@ -99,10 +102,13 @@ std::string comparison_html(const ResultFolder& before, const ResultFolder& afte
 
 std::string page_html(const std::vector<ResultFolder>& folders) {
   std::string html = std::string(kBeforeColours) + kPlotColours + kBeforeMarks + kPlotMarks + kAfterMarks;
+  if (const auto warnings = origin_warnings(folders); !warnings.empty())
+    html += "<section>\n<h2>Mind</h2>\n" + list_html(warnings) + "</section>\n";
   for (std::size_t i = 1; i < folders.size(); ++i) html += comparison_html(folders[i - 1], folders[i]);
   for (const ResultFolder& folder : folders) {
     if (const Figure front = front_figure(folder.results); !front.plots.empty())
-      html += "<section>\n<h2>How fast, at which error</h2>\n<p>" + escaped(folder.name) + "</p>\n" +
+      html += "<section>\n<h2>How fast, at which error</h2>\n<p>" +
+              escaped(folder.name + ", " + builds_of(folder.results)) + "</p>\n" +
               list_html(front_words(folder.results)) + figure_html(front) + "</section>\n";
     if (const ResultTable targets = targets_of(folder.results); !targets.rows.empty())
       html += "<section>\n<h2>Targets</h2>\n<p>" + escaped(folder.name) + "</p>\n" + targets_html(targets) +
@@ -110,6 +116,7 @@ std::string page_html(const std::vector<ResultFolder>& folders) {
     for (const Results& results : folder.results) {
       html += "<section>\n<h2>" + escaped(results.title) + "</h2>\n<p>" +
               escaped(folder.name + "/" + results.file) + "</p>\n" + origin_html(results);
+      if (!results.notes.empty()) html += list_html(results.notes);
       for (const Figure& figure : results.figures) html += figure_html(figure);
       for (const CurveFigure& figure : results.curves) html += figure_html(figure);
       for (const BarFigure& figure : results.bars) html += figure_html(figure);

@@ -4,15 +4,9 @@
 #include <string>
 #include <vector>
 
-#include "report_results.h"
+#include "report_origin.h"
 
 namespace lumbrical::tool {
-
-/// The files of one folder: one machine and build.
-struct ResultFolder {
-  std::string name;
-  std::vector<Results> results;
-};
 
 std::string page_html(const std::vector<ResultFolder>& folders);
 

@@ -4,6 +4,7 @@
 
 #include <map>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "lumbrical/status.h"
@@ -36,6 +37,8 @@ struct Results {
   std::string title;
   std::vector<std::pair<std::string, std::string>> origin;  ///< machine, compiler, flags ...
   std::string command;                                      ///< repeats them
+  std::vector<std::string> notes;                           ///< sentences on what the figures hold
+  bool is_quick = false;                                    ///< only tried out (tools/bench --quick)
   std::vector<Figure> figures;
   std::vector<CurveFigure> curves;
   std::vector<BarFigure> bars;
@@ -43,6 +46,9 @@ struct Results {
   std::map<std::string, std::map<std::string, double>> counters;  ///< by benchmark
   std::vector<PeerResult> peers;
 };
+
+/// What the file says of its origin under that name; empty: nothing.
+std::string origin_value(const Results& results, std::string_view name);
 
 /// Reads one file. An error says which file, where in it and what to do; `results` is then unspecified.
 Status read_results(const std::string& path, Results& results);

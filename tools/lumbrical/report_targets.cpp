@@ -13,6 +13,7 @@ namespace {
 
 constexpr std::size_t kMetColumn = 3;
 constexpr const char* kMet = "yes";
+constexpr const char* kTriedOut = "quick";  // a time of a thousandth of a second meets and misses nothing
 
 /// How a figure is made of a benchmark's counters, and which way it should go.
 struct Quantity {
@@ -105,10 +106,11 @@ bool is_avx512(const Results& results) {
 }
 
 std::vector<std::string> row_of(const std::string& what, bool at_least, double limit, double reached,
-                                const std::string& unit, const std::string& benchmark) {
+                                const std::string& unit, const std::string& benchmark, bool is_quick) {
   const bool met = at_least ? reached >= limit : reached <= limit;
+  const char* const verdict = is_quick ? kTriedOut : met ? kMet : "MISSED";
   return {what, (at_least ? "at least " : "at most ") + brief(limit) + " " + unit,
-          brief(reached) + " " + unit, met ? kMet : "MISSED", benchmark};
+          brief(reached) + " " + unit, verdict, benchmark};
 }
 
 // The worst of the benchmarks that a target names, and where it stands.
@@ -145,7 +147,7 @@ void add_target(const std::vector<Results>& all, const Target& target, ResultTab
   const bool wide = target.limit.avx512 > 0 && is_avx512(*worst.results);
   table.rows.push_back(row_of(target.what, target.quantity.inverted,
                               wide ? target.limit.avx512 : target.limit.any, *worst.figure,
-                              target.quantity.unit, worst.benchmark));
+                              target.quantity.unit, worst.benchmark, worst.results->is_quick));
 }
 
 // ---- Threads ----
@@ -168,8 +170,8 @@ void add_threads(const std::vector<Results>& all, const Threads& threads, Result
     take_worst(results, std::string(threads.benchmark) + "/2_threads", kTime, two);
   }
   if (one.figure && two.figure && *two.figure > 0)
-    table.rows.push_back(
-        row_of(threads.what, true, threads.limit, *one.figure / *two.figure, "times", two.benchmark));
+    table.rows.push_back(row_of(threads.what, true, threads.limit, *one.figure / *two.figure, "times",
+                                two.benchmark, one.results->is_quick || two.results->is_quick));
 }
 
 // ---- Beside other libraries ----
@@ -204,17 +206,21 @@ PeerScene scene_of(const PeerResult& peer, double least) {
 
 void add_peers(const std::vector<Results>& all, const Peers& peers, ResultTable& table) {
   const PeerResult* fastest = nullptr;
+  bool is_quick = false;
   for (const Results& results : all) {
     for (const PeerResult& peer : results.peers) {
       if (!peer.is_library() || peer.times_ours <= 0 || peer.has_area != peers.has_area) continue;
       if (scene_of(peer, peers.least) != peers.scene) continue;
-      if (fastest == nullptr || peer.times_ours < fastest->times_ours) fastest = &peer;
+      if (fastest != nullptr && peer.times_ours >= fastest->times_ours) continue;
+      fastest = &peer;
+      is_quick = results.is_quick;
     }
   }
   if (fastest == nullptr) return;
   table.rows.push_back(row_of(peers.what, true, peers.limit, fastest->times_ours, "times",
                               "bench_peers: " + fastest->scene + ", " + count_text(fastest->triangles) +
-                                  " triangles, " + fastest->contender));
+                                  " triangles, " + fastest->contender,
+                              is_quick));
 }
 
 std::string markdown_cell(std::string text) {
@@ -231,6 +237,12 @@ ResultTable targets_of(const std::vector<Results>& results) {
   for (const Threads& threads : kThreads) add_threads(results, threads, table);
   for (const Peers& peers : kPeers) add_peers(results, peers, table);
   return table;
+}
+
+std::size_t judged_targets(const ResultTable& targets) {
+  return static_cast<std::size_t>(
+      std::count_if(targets.rows.begin(), targets.rows.end(),
+                    [](const auto& row) { return row[kMetColumn] != kTriedOut; }));
 }
 
 std::size_t met_targets(const ResultTable& targets) {

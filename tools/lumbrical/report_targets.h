@@ -11,6 +11,10 @@ namespace lumbrical::tool {
 /// One row per target that these results say something about: what, target, reached, met, benchmark.
 ResultTable targets_of(const std::vector<Results>& results);
 
+/// How many of them results count for: those of a --quick run, to try it out, say "quick" in the place of
+/// met.
+std::size_t judged_targets(const ResultTable& targets);
+
 /// How many of them were reached.
 std::size_t met_targets(const ResultTable& targets);
 
