@@ -120,6 +120,59 @@ TEST(ReportOrigin, TheSameBenchmarksInTwoFilesAreWarnedOf) {
   EXPECT_NE(twice.error.find("./results/: is named twice"), std::string::npos) << twice.error;
 }
 
+// Ticks of two benchmarks and a peer's row, so that the machine is told apart.
+void put_ticks(const fs::path& results, double quick, double slow, double theirs) {
+  put(results / "tick.json", google_of({{"quick/1e-4/2", {{"p50_us", quick}, {"force_error", 1e-5}}},
+                                        {"slow/1e-4/2", {{"p50_us", slow}, {"force_error", 2e-5}}}}));
+  if (theirs > 0)
+    put(results / "peers.json",
+        peers_of({{"A drape", "ours, 1e-4", 200, theirs / 10, 0}, {"A drape", "theirs", 200, theirs, 0.3}}));
+}
+
+TEST(ReportOrigin, ChangesAreAListForScriptsAndWhatIsSlowerBesideTheMachineFails) {
+  const fs::path folder = fresh_folder();
+  put_ticks(folder / "before", 10, 10, 100);
+  put_ticks(folder / "after", 20, 31, 200);  // on a machine half as fast
+  const std::string judged = "lumbrical report before after --changes changes.json --fail-on-slower ";
+  EXPECT_EQ(shell(judged + "1.6", folder).exit_code, 0);
+  const Outcome slower = shell(judged + "1.2", folder);
+  EXPECT_EQ(slower.exit_code, 3);
+  EXPECT_NE(slower.output.find("slower: slow/1e-4/2 takes 1.55 times as long (from before to after)"),
+            std::string::npos)
+      << slower.output;
+  EXPECT_EQ(slower.output.find("slower: quick"), std::string::npos);
+  const Json step = Json::parse(read_file((folder / "changes.json").string()))["steps"][0];
+  EXPECT_EQ(step["machine_factor"], 2);
+  EXPECT_EQ(step["machine_rows"], 1);
+  const Json& slow = step["benchmarks"][0];
+  EXPECT_EQ(slow["benchmark"], "slow/1e-4/2");
+  EXPECT_NEAR(slow["times"].get<double>(), 3.1, 1e-12);
+  EXPECT_NEAR(slow["times_beside_machine"].get<double>(), 1.55, 1e-12);
+  EXPECT_TRUE(slow["slower"]);
+  EXPECT_FALSE(step["benchmarks"][1]["slower"]);
+  EXPECT_NE(read_file((folder / "report.html").string())
+                .find("What is not our code, 1 row of bench_peers, takes 2.00 times as long"),
+            std::string::npos);
+  const Outcome json = shell(judged + "1.2 --json", folder);
+  EXPECT_EQ(json.exit_code, 3);
+  EXPECT_EQ(json.json()["slower"].size(), 1u);
+}
+
+TEST(ReportOrigin, NothingPassesThatIsHeldAgainstNothing) {
+  const fs::path folder = fresh_folder();
+  put_ticks(folder / "results", 10, 10, 0);
+  put(folder / "else/tick.json", ticks_of(10, nullptr));
+  for (const char* const option : {"--changes c.json", "--fail-on-slower 1.5"}) {
+    const Outcome alone = shell("lumbrical report results " + std::string(option), folder);
+    EXPECT_EQ(alone.exit_code, 2);
+    EXPECT_NE(alone.error.find("needs two folders"), std::string::npos) << alone.error;
+  }
+  const Outcome apart = shell("lumbrical report results else --fail-on-slower 1.5", folder);
+  EXPECT_EQ(apart.exit_code, 2);
+  EXPECT_NE(apart.error.find("results and else have no benchmark in common"), std::string::npos);
+  EXPECT_EQ(shell("lumbrical report results else --fail-on-slower 0.5", folder).exit_code, 2);
+}
+
 // The part that is none keeps it from measuring, should it take them.
 TEST(ReportOrigin, BenchRefusesTwoFoldersAndListsItsOptions) {
   const fs::path folder = fresh_folder();

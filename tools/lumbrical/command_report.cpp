@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <system_error>
 #include <vector>
@@ -9,6 +10,7 @@
 #include "commands.h"
 #include "output.h"
 #include "replace_file.h"
+#include "report_changes.h"
 #include "report_front.h"
 #include "report_page.h"
 #include "report_targets.h"
@@ -21,7 +23,8 @@ namespace fs = std::filesystem;
 
 struct ReportSwitches {
   std::vector<std::string> folders;
-  std::string out = "report.html", targets, picture;
+  std::string out = "report.html", targets, picture, changes;
+  std::optional<double> fail_on_slower;
   bool json = false;
 };
 
@@ -77,6 +80,20 @@ Status write_picture(const std::string& path, const ResultFolder& folder, const 
                       "svg text { fill: var(--weak)");
 }
 
+Status write_changes(const std::string& path, const std::vector<Step>& steps, double slower_from) {
+  return replace_file(path, changes_json(steps, slower_from).dump(1) + "\n", "list of changes",
+                      "\"changes_of\": \"lumbrical report\"");
+}
+
+// A script that holds nothing against anything must not pass.
+Status check_comparable(const std::vector<Step>& steps) {
+  for (const Step& step : steps)
+    if (step.comparison.changes.empty())
+      return Status::error("--fail-on-slower: " + step.from + " and " + step.to +
+                           " have no benchmark in common; measure the same parts (tools/bench --only)");
+  return {};
+}
+
 Status read_folders(const std::vector<std::string>& paths, std::vector<ResultFolder>& folders) {
   if (Status status = check_folders(paths); !status.ok()) return status;
   for (const std::string& path : paths)
@@ -84,7 +101,21 @@ Status read_folders(const std::vector<std::string>& paths, std::vector<ResultFol
   return {};
 }
 
-int tell(const ReportSwitches& switches, const std::vector<ResultFolder>& folders, std::size_t page_size) {
+// All but the page, as far as they are asked for.
+Status write_others(const ReportSwitches& switches, const std::vector<ResultFolder>& folders,
+                    const std::vector<Step>& steps) {
+  if (!switches.targets.empty())
+    if (Status status = write_targets(switches.targets, folders); !status.ok()) return status;
+  if (!switches.picture.empty())
+    if (Status status = write_picture(switches.picture, folders.back(), switches.folders.back());
+        !status.ok())
+      return status;
+  if (switches.changes.empty()) return {};
+  return write_changes(switches.changes, steps, switches.fail_on_slower.value_or(kTimeNoise));
+}
+
+int tell(const ReportSwitches& switches, const std::vector<ResultFolder>& folders, std::size_t page_size,
+         const std::vector<std::string>& slower) {
   std::size_t files = 0, figures = 0;
   for (const ResultFolder& folder : folders) {
     files += folder.results.size();
@@ -94,28 +125,33 @@ int tell(const ReportSwitches& switches, const std::vector<ResultFolder>& folder
   const std::vector<std::string> warnings = origin_warnings(folders);
   if (switches.json) {
     Json summary = {{"page", switches.out}, {"files", files}, {"figures", figures}, {"warnings", warnings}};
+    if (switches.fail_on_slower) summary["slower"] = slower;
     return print_json(summary);
   }
   for (const std::string& warning : warnings) warn(warning);
   std::string text = switches.out + ": " + grouped(figures) + " figures from " + grouped(files) + " files, " +
                      brief(1e-3 * static_cast<double>(page_size)) + " kB\n";
+  for (const std::string& one : slower) text += "slower: " + one + "\n";
   return print_text(text);
 }
 
 int report(const ReportSwitches& switches) {
-  if (Status status = check_apart({switches.out, switches.targets, switches.picture}); !status.ok())
+  if (Status status = check_apart({switches.out, switches.targets, switches.picture, switches.changes});
+      !status.ok())
     return fail(status);
   std::vector<ResultFolder> folders;
   if (Status status = read_folders(switches.folders, folders); !status.ok()) return fail(status);
   const std::string page = page_html(folders);
   if (Status status = write_page(switches.out, page); !status.ok()) return fail(status);
-  if (!switches.targets.empty())
-    if (Status status = write_targets(switches.targets, folders); !status.ok()) return fail(status);
-  if (!switches.picture.empty())
-    if (Status status = write_picture(switches.picture, folders.back(), switches.folders.back());
-        !status.ok())
-      return fail(status);
-  return tell(switches, folders, page.size());
+  const std::vector<Step> steps = steps_between(folders);
+  if (Status status = write_others(switches, folders, steps); !status.ok()) return fail(status);
+  std::vector<std::string> slower;
+  if (switches.fail_on_slower) {
+    if (Status status = check_comparable(steps); !status.ok()) return fail(status);
+    slower = slower_benchmarks(steps, *switches.fail_on_slower);
+  }
+  const int code = tell(switches, folders, page.size(), slower);
+  return code == kDone && !slower.empty() ? kDiverged : code;
 }
 
 }  // namespace
@@ -139,8 +175,28 @@ void add_report(Command& app, int& exit_code) {
       ->add_option("--picture", switches->picture, "Also write the first picture, time against error, as SVG")
       ->check(is_file())
       ->type_name("FILE.svg");
+  command
+      ->add_option("--changes", switches->changes,
+                   "Also write what changed from each folder to the next, benchmark by benchmark, as JSON")
+      ->check(is_file())
+      ->type_name("FILE.json");
+  command
+      ->add_option(
+          "--fail-on-slower", switches->fail_on_slower,
+          "Exit with 3 where a benchmark takes more than so many times as long as in the folder before, "
+          "beside what others' code takes on both machines")
+      ->check(number_in(1, 1000))
+      ->type_name("TIMES");
   command->add_flag("--json", switches->json, "Print one JSON object");
-  command->callback([switches, &exit_code] { exit_code = report(*switches); });
+  command->callback([switches, &exit_code] {
+    if (switches->folders.size() < 2) {
+      if (!switches->changes.empty())
+        refuse_option("--changes", "needs two folders to hold against each other");
+      if (switches->fail_on_slower)
+        refuse_option("--fail-on-slower", "needs two folders to hold against each other");
+    }
+    exit_code = report(*switches);
+  });
 }
 
 }  // namespace lumbrical::tool

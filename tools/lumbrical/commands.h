@@ -9,7 +9,7 @@ namespace lumbrical::tool {
 enum ExitCode : int {
   kDone = 0,
   kUnreadable = 2,     ///< bad input or usage, or a file that can't be read or written
-  kDiverged = 3,       ///< replay or diff found a difference
+  kDiverged = 3,       ///< replay or diff found a difference, report --fail-on-slower a slower benchmark
   kNoForces = 4,       ///< run: a device was to be driven, and forces never or no longer reached it
   kTicksMissing = 5,   ///< verify: whole, but not all ticks are there; recover: not all could be kept
   kInterrupted = 130,  ///< a signal ended it early: run with everything written, others with no file
