@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "origin.h"
 #include "print.h"
 
 namespace lumbrical::bench {
@@ -56,9 +57,9 @@ Spread spread_of(std::vector<float>& errors) {
 
 std::string to_markdown(const Report& report) {
   std::string text = "# Accuracy against the reference\n\n";
-  text += print("%zu touching pairs, on %s (%s), %s with `%s`. Repeat it with\n\n```\n%s\n```\n\n",
+  text += print("%zu touching pairs, on %s (%s), %s with `%s`, %s. Repeat it with\n\n```\n%s\n```\n\n",
                 report.pairs, report.cpu.c_str(), report.isa.c_str(), report.compiler.c_str(),
-                report.flags.c_str(), report.command.c_str());
+                report.flags.c_str(), origin_words().c_str(), report.command.c_str());
   text +=
       "Errors are median / 98 % / worst, absolute ones in powers of the larger radius R; the target is 1e-12 "
       "for 98 % "

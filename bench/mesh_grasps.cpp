@@ -126,14 +126,15 @@ std::vector<Line> lines_of(const Row& row) {
 
 std::string to_markdown(const Grasps& grasps, const std::string& command) {
   std::string text = print(
-      "# The built-in grasp on real meshes\n\nOn %s, %s with `%s`, %s, one thread. Repeat it "
+      "# The built-in grasp on real meshes\n\nOn %s, %s with `%s`, %s, %s, one thread. Repeat it "
       "with\n\n```\n%s\n```\n\n"
       "Moments at which the hand feels more than %g N; errors are shares of the segments' forces "
       "together, against the rung exact, which feels once what several parts of the hand hold. \"exact for "
       "each\" feels each part for itself, as exact settings do by default: \"times exact\" is against its "
       "time, \"times exact, felt once\" against that of the rung exact.\n\n",
       cpu_name().c_str(), LUMBRICAL_COMPILER, LUMBRICAL_COMPILER_FLAGS,
-      std::string(isa_name(widest_isa())).c_str(), command.c_str(), tool::kLeastForce);
+      std::string(isa_name(widest_isa())).c_str(), origin_words().c_str(), command.c_str(),
+      tool::kLeastForce);
   text +=
       "| mesh | triangles | contacts | moments | rung | median us | p99 us | times exact | times exact, felt "
       "once | "

@@ -17,6 +17,12 @@ std::vector<std::pair<std::string, std::string>> build_origin() {
   return origin;
 }
 
+std::string origin_words() {
+  std::string words;
+  for (const auto& [key, value] : build_origin()) words += (words.empty() ? "" : ", ") + key + " " + value;
+  return words;
+}
+
 std::string origin_members() {
   std::string members;
   for (const auto& [key, value] : build_origin()) members += quoted(key) + ": " + quoted(value) + ", ";

@@ -11,7 +11,10 @@ namespace lumbrical::bench {
 /// recordings name it (arithmetic_version). Of a run that only tries it out (tools/bench --quick): `quick`.
 std::vector<std::pair<std::string, std::string>> build_origin();
 
-/// The same with the machine's load, as the first members of a JSON object, a comma behind each.
+/// "commit 1a2b3c4d, arithmetic 5e6f7a8b", for tables that people read.
+std::string origin_words();
+
+/// build_origin() with the machine's load, as the first members of a JSON object, a comma behind each.
 std::string origin_members();
 
 }  // namespace lumbrical::bench

@@ -1,5 +1,6 @@
 #include "peer_table.h"
 
+#include "origin.h"
 #include "print.h"
 
 namespace lumbrical::bench {
@@ -29,9 +30,10 @@ std::string number_or_null(double value) { return value < 0 ? "null" : print("%.
 std::string to_markdown(const PeerReport& report) {
   std::string text = "# The hand's tick beside other libraries\n\n";
   text += print(
-      "On %s, one thread, %s with `%s`, ours with %s; the others as Debian builds them. Repeat it "
+      "On %s, one thread, %s with `%s`, ours with %s, %s; the others as Debian builds them. Repeat it "
       "with\n\n```\n",
-      report.cpu.c_str(), report.compiler.c_str(), report.flags.c_str(), report.isa.c_str());
+      report.cpu.c_str(), report.compiler.c_str(), report.flags.c_str(), report.isa.c_str(),
+      origin_words().c_str());
   text += report.command + "\n```\n\n";
   text += print(
       "All contenders take turns of %d poses, in one run; a sample is one tick, in %s time. Ours is "

@@ -102,6 +102,7 @@ TEST(ReportOrigin, TargetsAreNeitherMetNorMissedByARunToTryItOut) {
     const std::string targets = read_file((folder / "targets.md").string());
     EXPECT_NE(targets.find("| 1000 us | quick | " + kTarget), std::string::npos) << targets;
     EXPECT_EQ(targets.find("MISSED"), std::string::npos);
+    EXPECT_NE(targets.find("\n\nOf commit 11112222, arithmetic " + now + ".\n\n"), std::string::npos);
     EXPECT_NE(read_file((folder / "report.html").string())
                   .find("0 of 0 are met; of --quick, and so neither met nor missed: 1"),
               std::string::npos);

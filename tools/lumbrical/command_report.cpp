@@ -66,7 +66,7 @@ Status write_targets(const std::string& path, const std::vector<ResultFolder>& f
   std::string targets;
   for (const ResultFolder& folder : folders) {
     const std::string title = "Targets: " + folder.name;
-    const std::string table = table_markdown(title, targets_of(folder.results));
+    const std::string table = table_markdown(title, builds_of(folder.results), targets_of(folder.results));
     targets += table.empty() ? "## " + title + "\n\nNothing measured here has a target.\n\n" : table;
   }
   return replace_file(path, targets, "table of targets", "## Targets: ");

@@ -250,9 +250,9 @@ std::size_t met_targets(const ResultTable& targets) {
                                                 [](const auto& row) { return row[kMetColumn] == kMet; }));
 }
 
-std::string table_markdown(const std::string& title, const ResultTable& table) {
+std::string table_markdown(const std::string& title, const std::string& builds, const ResultTable& table) {
   if (table.rows.empty()) return {};
-  std::string text = "## " + markdown_cell(title) + "\n\n";
+  std::string text = "## " + markdown_cell(title) + "\n\nOf " + markdown_cell(builds) + ".\n\n";
   const auto line = [&](const std::vector<std::string>& texts) {
     for (const std::string& one : texts) text += "| " + markdown_cell(one) + " ";
     text += "|\n";

@@ -18,7 +18,7 @@ std::size_t judged_targets(const ResultTable& targets);
 /// How many of them were reached.
 std::size_t met_targets(const ResultTable& targets);
 
-/// The table in Markdown; `title` as its heading. Empty where it has no row.
-std::string table_markdown(const std::string& title, const ResultTable& table);
+/// The table in Markdown; `title` as its heading, `builds` below it. Empty where it has no row.
+std::string table_markdown(const std::string& title, const std::string& builds, const ResultTable& table);
 
 }  // namespace lumbrical::tool
