@@ -2,7 +2,10 @@
 // random places of a few worlds, exact and at 1e-4.
 //
 //   pose_times [SECONDS]      histograms, SECONDS (10) of each world and precision; the slowest poses by seed
-//   pose_times WORLD SEED     one of these poses again
+//   pose_times --poses N      the same of seeds 0 to N - 1, however long that takes: the same poses
+//   everywhere pose_times WORLD SEED     one of these poses again
+//
+// Within a hand's limits and beyond them (fists among these) the slowest are named apart.
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -10,6 +13,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "lumbrical/shapes.h"
@@ -74,19 +78,23 @@ struct Session {
   }
 };
 
-// Of ten hands six keep their limits, two don't, and two are fists, bent to the last third or beyond. One
-// joint is somewhere in the world's box.
+// Of ten hands six keep their limits, two don't, and two are fists, bent to the last third or beyond.
+constexpr std::size_t kManners = 10, kKeepLimits = 6, kNoFists = 8;
+
+bool keeps_limits(std::uint64_t seed) { return test::Random(seed).below(kManners) < kKeepLimits; }
+
+// One joint is somewhere in the world's box.
 DeviceFrame pose_of(const Session& session, std::uint64_t seed) {
   test::Random random(seed);
   const Hand& hand = session.model.hand;
   DeviceFrame frame;
   frame.kind = InputKind::joint_angles;
-  const std::size_t manner = random.below(10);
+  const std::size_t manner = random.below(kManners);
   std::array<double, kAngleCount> angles;
   for (std::size_t i = 0; i < kAngleCount; ++i) {
     const AngleLimit& loose = hand.finger[i / 4].limit[i % 4];
-    const bool folds = manner >= 8 && i % 4 != 0;
-    const double beyond = manner < 6 ? kBeyond : 0;
+    const bool folds = manner >= kNoFists && i % 4 != 0;
+    const double beyond = manner < kKeepLimits ? kBeyond : 0;
     const double lower = folds ? loose.lower + (loose.upper - loose.lower) * 2 / 3 : loose.lower + beyond;
     frame.angle[i] = static_cast<float>(random.between(lower, loose.upper - beyond));
     angles[i] = static_cast<double>(frame.angle[i]);
@@ -117,15 +125,19 @@ struct Histogram {
     double time = 0;  // [us]
     std::uint64_t seed = 0;
   };
-  std::array<Pose, kSlowest> slowest{};
+  using Slowest = std::array<Pose, kSlowest>;
+  Slowest within{}, beyond{};  // a hand's limits
 
-  [[nodiscard]] bool is_slow(double time) const { return time > slowest.back().time; }
+  [[nodiscard]] bool is_slow(double time, std::uint64_t seed) const {
+    return time > (keeps_limits(seed) ? within : beyond).back().time;
+  }
   void add(double time, std::uint64_t seed) {
     const double scaled = std::clamp(time * 64, 0.0, 1e12);
     const auto bits = static_cast<int>(std::bit_width(static_cast<std::uint64_t>(scaled)));
     ++row[static_cast<std::size_t>(std::min(bits, kCount - 1))];
     ++count;
-    if (!is_slow(time)) return;
+    if (!is_slow(time, seed)) return;
+    Slowest& slowest = keeps_limits(seed) ? within : beyond;
     slowest.back() = {time, seed};
     std::sort(slowest.begin(), slowest.end(), [](const Pose& a, const Pose& b) { return a.time > b.time; });
   }
@@ -136,17 +148,26 @@ struct Times {
   Histogram tick, pair;
 };
 
-Times measure(const World& world, double precision, double seconds) {
+// How much of each world and precision: so many poses, or seconds where there is no such number.
+struct Amount {
+  std::uint64_t poses = 0;
+  double seconds = 10;
+};
+
+Times measure(const World& world, double precision, const Amount& amount) {
   Session session(world, precision);
   Times times{world.name + ", " + precision_name(precision), {}, {}};
-  const double end = thread_microseconds() + 1e6 * seconds;
-  for (std::uint64_t seed = 0; thread_microseconds() < end; ++seed) {
+  const double end = thread_microseconds() + 1e6 * amount.seconds;
+  const auto goes_on = [&](std::uint64_t seed) {
+    return amount.poses > 0 ? seed < amount.poses : thread_microseconds() < end;
+  };
+  for (std::uint64_t seed = 0; goes_on(seed); ++seed) {
     const DeviceFrame frame = pose_of(session, seed);
     double time = time_of(session, frame);
     const std::uint32_t pairs = session.scratch.candidate_count;
     const bool many = precision == 0 && pairs >= kFewPairs;
     // What looks slow is looked at again: a machine has other things to do.
-    if (times.tick.is_slow(time) || (many && times.pair.is_slow(time / pairs)))
+    if (times.tick.is_slow(time, seed) || (many && times.pair.is_slow(time / pairs, seed)))
       time = std::min(time_of(session, frame), time_of(session, frame));
     times.tick.add(time, seed);
     if (many) times.pair.add(time / pairs, seed);
@@ -176,21 +197,24 @@ void print_histograms(const char* title, const std::vector<Times>& all, Histogra
   std::printf("\n| all |");
   for (const Times& times : all)
     std::printf(" %llu |", static_cast<unsigned long long>((times.*which).count));
-  std::printf("\n| slowest: us (seed) |");
-  for (const Times& times : all) {
-    for (const auto& [time, seed] : (times.*which).slowest) {
-      if (time > 0) std::printf(" %.3g (%llu)", time, static_cast<unsigned long long>(seed));
+  for (const auto& [words, slowest] :
+       {std::pair{"within", &Histogram::within}, {"beyond", &Histogram::beyond}}) {
+    std::printf("\n| slowest %s a hand's limits: us (seed) |", words);
+    for (const Times& times : all) {
+      for (const auto& [time, seed] : (times.*which).*slowest) {
+        if (time > 0) std::printf(" %.3g (%llu)", time, static_cast<unsigned long long>(seed));
+      }
+      std::printf(" |");
     }
-    std::printf(" |");
   }
   std::printf("\n");
 }
 
-int print_all(double seconds) {
+int print_all(const Amount& amount) {
   std::vector<Times> all, exact;
   for (const World& world : worlds()) {
     for (const double precision : kPrecisions) {
-      all.push_back(measure(world, precision, seconds));
+      all.push_back(measure(world, precision, amount));
       if (precision == 0) exact.push_back(all.back());
     }
   }
@@ -219,11 +243,13 @@ int print_one(const std::string& name, std::uint64_t seed) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  double seconds = 10;
+  Amount amount;
   std::uint64_t seed = 0;
-  bool good = argc <= 3 && !bench::has_switch(argc, argv);
-  if (argc == 2) good = good && bench::read_number(argv[1], 1e6, seconds);
-  if (argc == 3) good = good && bench::read_number_or_0(argv[2], UINT64_MAX, seed);
-  if (!good) return bench::tell_usage("pose_times [SECONDS] | WORLD SEED", argc, argv);
-  return argc == 3 ? print_one(argv[1], seed) : print_all(seconds);
+  const bool by_poses = argc == 3 && argv[1] == std::string("--poses");
+  bool good = argc <= 3 && (by_poses || !bench::has_switch(argc, argv));
+  if (argc == 2) good = good && bench::read_number(argv[1], 1e6, amount.seconds);
+  if (by_poses) good = good && bench::read_number<std::uint64_t>(argv[2], 1000000000, amount.poses);
+  if (argc == 3 && !by_poses) good = good && bench::read_number_or_0(argv[2], UINT64_MAX, seed);
+  if (!good) return bench::tell_usage("pose_times [SECONDS] | --poses N | WORLD SEED", argc, argv);
+  return argc == 3 && !by_poses ? print_one(argv[1], seed) : print_all(amount);
 }
