@@ -42,10 +42,9 @@ Times fastest(const Model& model, const State& before, const DeviceFrame& frame,
   least.fill(std::numeric_limits<double>::max());
   for (int i = 0; i < kTimes; ++i) {
     tool::StageClock clock;
-    scratch.watch = {&tool::StageClock::ended, &clock};
-    if (scratch.apart) scratch.apart->watch = scratch.watch;
+    tool::set_watch({&tool::StageClock::ended, &clock}, scratch);
     State state = before;
-    clock.last = tool::StageClock::Clock::now();
+    clock.begin();
     tick(model, state, scratch, frame);
     for (std::size_t s = 0; s < least.size(); ++s) least[s] = std::min(least[s], clock.microseconds[s]);
   }
@@ -70,8 +69,7 @@ bool measure(const Case& one, Times& mean) {
       for (std::size_t s = 0; s < mean.size(); ++s) mean[s] += times[s];
       ++measured;
     }
-    scratch.watch = {};
-    if (scratch.apart) scratch.apart->watch = {};
+    tool::set_watch({}, scratch);
     tick(model, state, scratch, one.frames[i]);
   }
   for (double& time : mean) time /= measured;
@@ -123,6 +121,18 @@ std::string list_of(const Times& times) {
   return "[" + text + "]";
 }
 
+void print_heading() {
+  std::printf("%-42s %9s", "scene, times in us", "tick");
+  for (const char* const stage : tool::kStageWords) std::printf(" %9s", stage);
+  std::printf("\n");
+}
+
+void print_row(const std::string& name, double whole, const Times& times) {
+  std::printf("%-42s %9.2f", name.c_str(), whole);
+  for (const double time : times) std::printf(" %9.2f", time);
+  std::printf("\n");
+}
+
 int run(const std::string& folder) {
   if (!folder.empty() &&
       !std::filesystem::is_directory(folder)) {  // before minutes of work that would be lost
@@ -131,12 +141,13 @@ int run(const std::string& folder) {
   }
   const std::string origin = origin_members();  // the load before it
   std::string rows;
+  print_heading();
   for (const Case& one : all_cases()) {
     Times times;
     if (!measure(one, times)) return 1;
     double whole = 0;
     for (const double time : times) whole += time;
-    std::printf("%-42s %8.2f us  %s\n", one.name.c_str(), whole, list_of(times).c_str());
+    print_row(one.name, whole, times);
     rows += (rows.empty() ? "" : ",\n ") + ("{\"scene\": " + quoted(one.name)) +
             ", \"stage_us\": " + list_of(times) + "}";
   }

@@ -2,11 +2,11 @@
 #include "late_ticks.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <numeric>
 #include <optional>
 #include <span>
+#include <utility>
 
 #include "lumbrical/batch.h"
 #include "stage_clock.h"
@@ -14,17 +14,13 @@
 namespace lumbrical::tool {
 namespace {
 
-using Clock = std::chrono::steady_clock;
-
 constexpr std::size_t kKept = 32;
-constexpr int kTimes = 3;             // that a tick is computed again, for its shortest time
+constexpr int kTimesAgain = 2;        // that a tick is repeated, for its shortest time
 constexpr double kWorthwhile = 0.95;  // of the time: less help is noise
+constexpr double kTold = 0.8;         // a figure that is less than this share of another is told beside it
+constexpr double kThin = 20;          // heights that a needle is long
 constexpr std::uint32_t kMostThreads = 4;
 constexpr double kMostEffort = 1e9;  // that settings may have
-
-double microseconds_since(Clock::time_point start) {
-  return std::chrono::duration<double, std::micro>(Clock::now() - start).count();
-}
 
 std::vector<Scratch> fresh_scratches(const std::vector<Model>& models) {
   std::vector<Scratch> scratches;
@@ -37,7 +33,7 @@ std::vector<Scratch> fresh_scratches(const std::vector<Model>& models) {
 }
 
 // Evaluations by samples, of all hands.
-double tick_all(const std::vector<Model>& models, std::vector<Scratch>& scratches, TickStart& start) {
+double tick_all(const std::vector<Model>& models, std::vector<Scratch>& scratches, TickStart start) {
   double evaluations = 0;
   for (std::size_t hand = 0; hand < models.size(); ++hand) {
     const ActuatorFrame output = tick(models[hand], start.state[hand], scratches[hand], start.frame[hand],
@@ -47,47 +43,113 @@ double tick_all(const std::vector<Model>& models, std::vector<Scratch>& scratche
   return evaluations;
 }
 
-struct TimedTick {
-  double microseconds = 1e300;  // the shortest time
-  double evaluations = 0;
-};
-
-TimedTick time_of(const std::vector<Model>& models, std::vector<Scratch>& scratches, const TickStart& tick) {
-  TimedTick timed;
-  for (int i = 0; i < kTimes; ++i) {
-    TickStart again = tick;
-    const Clock::time_point start = Clock::now();
-    timed.evaluations = tick_all(models, scratches, again);
-    timed.microseconds = std::min(timed.microseconds, microseconds_since(start));
-  }
-  return timed;
+double time_of(const std::vector<Model>& models, std::vector<Scratch>& scratches, TickStart start,
+               double& evaluations) {
+  const clockid_t clock = work_clock(models[0].execution.threads);
+  const std::int64_t begin = read_clock(clock);
+  evaluations = tick_all(models, scratches, std::move(start));
+  return 1e-3 * static_cast<double>(read_clock(clock) - begin);
 }
 
-// [us] The median over the ticks.
-double time_of(const std::vector<Model>& models, std::span<const TickStart> ticks) {
+/// Slow ticks in the order of their session: on one memory each meets for the first time about what it met
+/// then, since most of what is cut or found near a hand is kept for the ticks that follow.
+struct Replayed {
+  std::vector<const TickStart*> start;
+  std::vector<double> session;  // [us]
+  std::vector<bool> first;      // does the first visit count? Empty: not known yet
+};
+
+Replayed in_order(const SlowTicks& slow) {
+  std::vector<std::size_t> order(slow.kept);
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  const auto number = [&](std::size_t i) { return slow.start[i].state[0].tick; };
+  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    return number(a) != number(b) ? number(a) < number(b) : a < b;
+  });
+  Replayed ticks;
+  for (const std::size_t i : order) {
+    ticks.start.push_back(&slow.start[i]);
+    ticks.session.push_back(1e-3 * slow.duration[i]);
+  }
+  return ticks;
+}
+
+std::vector<TimedTick> times_of(const std::vector<Model>& models, const Replayed& ticks) {
   std::vector<Scratch> scratches = fresh_scratches(models);
-  std::vector<double> times;
-  for (const TickStart& late : ticks) times.push_back(time_of(models, scratches, late).microseconds);
-  const auto middle = times.begin() + static_cast<std::ptrdiff_t>(times.size() / 2);
-  std::nth_element(times.begin(), middle, times.end());
+  std::vector<TimedTick> times;
+  for (const TickStart* start : ticks.start) {
+    TimedTick& timed = times.emplace_back();
+    timed.first = timed.again = time_of(models, scratches, *start, timed.evaluations);
+    for (int i = 0; i < kTimesAgain; ++i)
+      timed.again = std::min(timed.again, time_of(models, scratches, *start, timed.evaluations));
+  }
+  return times;
+}
+
+double median(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
   return *middle;
 }
 
-std::array<double, kStageCount> stage_shares(const std::vector<Model>& models,
-                                             std::span<const TickStart> ticks) {
+// [us] As in the session, tick by tick.
+std::vector<double> as_they_were(const Replayed& ticks, const std::vector<TimedTick>& times) {
+  std::vector<double> result;
+  for (std::size_t i = 0; i < times.size(); ++i)
+    result.push_back(ticks.first[i] ? times[i].first : times[i].again);
+  return result;
+}
+
+void choose_visits(const std::vector<TimedTick>& times, Replayed& ticks) {
+  for (std::size_t i = 0; i < times.size(); ++i)
+    ticks.first.push_back(was_first_visit(times[i], ticks.session[i]));
+}
+
+std::array<double, kStageCount> stage_shares(const std::vector<Model>& models, const Replayed& ticks) {
   std::vector<Scratch> scratches = fresh_scratches(models);
   StageClock times;
-  for (Scratch& scratch : scratches) {
-    scratch.watch = {&StageClock::ended, &times};
-    if (scratch.apart) scratch.apart->watch = scratch.watch;  // objects go through the same stages
-  }
-  for (TickStart again : ticks) {
-    times.last = Clock::now();
-    tick_all(models, scratches, again);
+  times.clock = work_clock(models[0].execution.threads);
+  for (std::size_t i = 0; i < ticks.start.size(); ++i) {
+    for (Scratch& scratch : scratches) set_watch({}, scratch);
+    if (!ticks.first[i]) tick_all(models, scratches, *ticks.start[i]);
+    for (Scratch& scratch : scratches) set_watch({&StageClock::ended, &times}, scratch);
+    TickStart again = *ticks.start[i];
+    times.begin();
+    tick_all(models, scratches, std::move(again));
   }
   const double all = std::accumulate(times.microseconds.begin(), times.microseconds.end(), 0.0);
   for (double& share : times.microseconds) share /= std::max(all, 1e-9);
   return times.microseconds;
+}
+
+bool is_thin(const Triangles& all, std::uint32_t triangle) {
+  const Vec3 a = all.vertex(all.a[triangle]), b = all.vertex(all.b[triangle]),
+             c = all.vertex(all.c[triangle]);
+  const double longest = std::max({norm(b - a), norm(c - b), norm(a - c)});
+  return longest * longest > kThin * norm(cross(b - a, c - a));
+}
+
+void add_touched(std::span<const Contact> contacts, const Triangles& all, TickLoad& load) {
+  std::vector<std::uint32_t> touched;
+  for (const Contact& contact : contacts) touched.push_back(contact.triangle);
+  std::sort(touched.begin(), touched.end());
+  touched.erase(std::unique(touched.begin(), touched.end()), touched.end());
+  load.triangles += touched.size();
+  load.thin_triangles += static_cast<std::size_t>(
+      std::count_if(touched.begin(), touched.end(), [&](std::uint32_t t) { return is_thin(all, t); }));
+}
+
+TickLoad load_of(const std::vector<Model>& models, const TickStart& start) {
+  std::vector<Scratch> scratches = fresh_scratches(models);
+  TickLoad load;
+  load.evaluations = tick_all(models, scratches, start);
+  for (std::size_t hand = 0; hand < models.size(); ++hand) {
+    const Model& model = models[hand];
+    add_touched(find_contacts(model, scratches[hand]), model.triangles, load);
+    for (std::size_t object = 0; object < model.apart.size(); ++object)
+      add_touched(find_contacts(model, scratches[hand], object), model.apart[object].shape->triangles, load);
+  }
+  return load;
 }
 
 struct Trial {
@@ -177,11 +239,24 @@ void LateTicks::add(const LateTime& time, const TickStart& start) {
   if (most == owed_.begin() + 1) slowest.add(time.tick, start);
 }
 
+bool was_first_visit(const TimedTick& tick, double session) {
+  return std::abs(tick.first - session) < std::abs(tick.again - session);
+}
+
 LateReport study(const LateTicks& late, const Scene& scene, const std::vector<Model>& models,
                  bool with_device) {
   LateReport report;
-  const std::span ticks = std::span(late.slowest.start).first(late.slowest.kept);
-  report.microseconds = time_of(models, ticks);
+  Replayed ticks = in_order(late.slowest);
+  const std::vector<TimedTick> times = times_of(models, ticks);
+  choose_visits(times, ticks);
+  std::vector<double> again;
+  for (const TimedTick& timed : times) again.push_back(timed.again);
+  const std::vector<double> taken = as_they_were(ticks, times);
+  report.microseconds = median(taken);
+  report.again_microseconds = median(again);
+  report.session_microseconds = median(ticks.session);
+  const auto typical = std::find(taken.begin(), taken.end(), report.microseconds);
+  report.load = load_of(models, *ticks.start[static_cast<std::size_t>(typical - taken.begin())]);
   report.stage_share = stage_shares(models, ticks);
   const Execution& execution = models[0].execution;
   for (const auto& trial :
@@ -190,7 +265,7 @@ LateReport study(const LateTicks& late, const Scene& scene, const std::vector<Mo
     if (!trial) continue;
     const std::vector<Model> changed = changed_models(*trial, models);
     if (changed.empty()) continue;
-    const double microseconds = time_of(changed, ticks);
+    const double microseconds = median(as_they_were(ticks, times_of(changed, ticks)));
     if (microseconds < kWorthwhile * report.microseconds)
       report.remedies.push_back({trial->change, microseconds});
   }
@@ -222,13 +297,15 @@ EffortReport study_effort(const SlowTicks& slowest, double rate, const std::vect
   if (slowest.kept == 0) return report;
   const std::vector<Model> free = models_with_effort(0, models), least = models_with_effort(1, models);
   if (free.empty() || least.empty()) return report;
-  std::vector<Scratch> scratches = fresh_scratches(free), least_scratches = fresh_scratches(least);
+  Replayed replayed = in_order(slowest);
+  choose_visits(times_of(models, replayed), replayed);
+  const std::vector<TimedTick> as_it_is = times_of(free, replayed), bounded = times_of(least, replayed);
+  const std::vector<double> taken = as_they_were(replayed, as_it_is),
+                            least_taken = as_they_were(replayed, bounded);
   std::vector<EffortTimes> ticks;
-  for (const TickStart& tick : std::span(slowest.start).first(slowest.kept)) {
-    const TimedTick as_it_is = time_of(free, scratches, tick),
-                    bounded = time_of(least, least_scratches, tick);
-    report.least_microseconds = std::max(report.least_microseconds, bounded.microseconds);
-    ticks.push_back({as_it_is.microseconds, bounded.microseconds, as_it_is.evaluations, bounded.evaluations});
+  for (std::size_t i = 0; i < taken.size(); ++i) {
+    report.least_microseconds = std::max(report.least_microseconds, least_taken[i]);
+    ticks.push_back({taken[i], least_taken[i], as_it_is[i].evaluations, bounded[i].evaluations});
   }
   const std::optional<double> fits = effort_within(0.5e6 / rate, ticks);
   if (fits) report.fits = std::min(std::floor(*fits / static_cast<double>(models.size())), kMostEffort);
@@ -238,12 +315,40 @@ EffortReport study_effort(const SlowTicks& slowest, double rate, const std::vect
 Json late_json(const LateTicks& late, const LateReport& report) {
   Json json = {{"woken_late", late.woken_late}, {"slow", late.slow}, {"beside", late.beside}};
   json["tick_us"] = report.microseconds;
+  json["again_us"] = report.again_microseconds;
+  json["session_us"] = report.session_microseconds;
+  json["touched"] = {{"triangles", report.load.triangles}, {"thin", report.load.thin_triangles}};
+  json["evaluations"] = report.load.evaluations;
   for (std::size_t i = 0; i < kStageCount; ++i) json["stage_share"][kStageWords[i]] = report.stage_share[i];
   json["remedies"] = Json::array();
   for (const Remedy& remedy : report.remedies)
     json["remedies"].push_back({{"change", remedy.change}, {"tick_us", remedy.microseconds}});
   return json;
 }
+
+namespace {
+
+std::string stages_text(const LateReport& report) {
+  std::string stages;
+  for (std::size_t i = 0; i < kStageCount; ++i) {
+    const double percent = 100 * report.stage_share[i];
+    if (percent >= 5)
+      stages += (stages.empty() ? "" : ", ") + std::string(kStageWords[i]) + " " + brief(percent, 2) + " %";
+  }
+  return stages;
+}
+
+std::string load_text(const TickLoad& load) {
+  std::string text = "it touches " + grouped(load.triangles) + " triangles";
+  if (load.thin_triangles > 0)
+    text += ", of which " + grouped(load.thin_triangles) + " are needles, " + brief(kThin, 2) +
+            " times as long as high: rounder ones cost less";
+  if (load.evaluations > 0)
+    text += "; " + grouped(static_cast<std::uint64_t>(load.evaluations)) + " evaluations by samples";
+  return text;
+}
+
+}  // namespace
 
 void add_late(const LateTicks& late, const LateReport& report, double period_us, Table& table) {
   if (late.slow + late.woken_late + late.beside == 0) return;
@@ -256,17 +361,18 @@ void add_late(const LateTicks& late, const LateReport& report, double period_us,
   add(late.beside, "what is beside the tick took long (device, motion, recording)");
   table.add("late", causes);
   if (late.slowest.kept == 0) return;
-  std::string stages;
-  for (std::size_t i = 0; i < kStageCount; ++i) {
-    const double percent = 100 * report.stage_share[i];
-    if (percent >= 5)
-      stages += (stages.empty() ? "" : ", ") + std::string(kStageWords[i]) + " " + brief(percent, 2) + " %";
-  }
-  table.add("", "a late tick's work takes " + brief(report.microseconds) + " us: " + stages);
+  table.add("", "a late tick's work takes " + brief(report.microseconds) + " us: " + stages_text(report));
+  if (report.again_microseconds < kTold * report.microseconds)
+    table.add("", "with what it meets for the first time: where the hand has just been it takes " +
+                      brief(report.again_microseconds) + " us");
+  if (report.microseconds < kTold * report.session_microseconds)
+    table.add("", "in the session it took " + brief(report.session_microseconds) +
+                      " us, on caches that it shared with other work");
+  table.add("", load_text(report.load));
   for (const Remedy& remedy : report.remedies)
     table.add("", remedy.change + ": " + brief(remedy.microseconds) + " us" +
                       (remedy.microseconds < period_us ? ", within the period" : ""));
-  if (report.microseconds < period_us)
+  if (std::max(report.microseconds, report.session_microseconds) < period_us)
     table.add("", "alone it is within the period: what delays it is other work on this machine");
 }
 

@@ -27,7 +27,7 @@ struct TickStart {
 /// Some of the ticks that it was given: the slowest.
 struct SlowTicks {
   std::vector<TickStart> start;
-  std::vector<std::uint32_t> duration;  ///< [ns]
+  std::vector<std::uint32_t> duration;  ///< [ns] by work_clock
   std::size_t kept = 0;                 ///< so many of both
 
   /// Room for what is kept, so that keeping allocates nothing: states are as large as those of `any`.
@@ -38,8 +38,8 @@ struct SlowTicks {
 /// What a late tick's time went into [ns].
 struct LateTime {
   std::int64_t behind = 0;   ///< ticks before it, which ended after it was due
-  std::int64_t wake_up = 0;  ///< other work, which had the processor
-  std::int64_t tick = 0;     ///< the tick itself
+  std::int64_t wake_up = 0;  ///< other work, which had the processor before the tick or amid it
+  std::int64_t tick = 0;     ///< the tick itself, by work_clock
   std::int64_t beside = 0;   ///< motion, device, recording
 };
 
@@ -63,11 +63,31 @@ struct Remedy {
   double microseconds = 0;
 };
 
+/// What a tick is about.
+struct TickLoad {
+  std::size_t triangles = 0, thin_triangles = 0;  ///< that it touches, and those of them that are needles
+  double evaluations = 0;                         ///< by samples, of all hands
+};
+
 struct LateReport {
-  double microseconds = 0;                        ///< of a late tick, the median, computed again
-  std::array<double, kStageCount> stage_share{};  ///< of that
+  double microseconds = 0;                        ///< of a late tick, the median, computed again as it was:
+                                                  ///< with what it met for the first time, where it did
+  double again_microseconds = 0;                  ///< the same where the hand has been there just before
+  double session_microseconds = 0;                ///< as the session measured it by work_clock
+  TickLoad load;                                  ///< of such a tick
+  std::array<double, kStageCount> stage_share{};  ///< of `microseconds`
   std::vector<Remedy> remedies;                   ///< those that help, best first
 };
+
+/// A tick that is computed again, by work_clock [us].
+struct TimedTick {
+  double first = 0;  ///< on memory that has met the ticks before it, and not this one
+  double again = 0;  ///< the shortest on memory that has just met it
+  double evaluations = 0;
+};
+
+/// Is what a session measured [us] nearer to the first visit?
+bool was_first_visit(const TimedTick& tick, double session);
 
 /// Of a session in which a tick was slow. Builds the scene once more for each remedy that is tried.
 /// `models`: of the session's hands, which `scene` is felt by. With a device more threads are no remedy:

@@ -11,6 +11,7 @@
 #include "lumbrical/tick.h"
 #include "lumbrical/ways_out.h"
 #include "lumbrical/world.h"
+#include "stage_clock.h"
 
 namespace lumbrical::tool {
 namespace {
@@ -64,13 +65,14 @@ struct MovingHand {
   State state;
   Scratch scratch;
   TickRecord record;
+  std::int64_t work_ns = 0;  // of its last tick, by work_clock
 };
 
 std::vector<MovingHand> moving(const std::vector<SessionHand>& hands, bool recorded) {
   std::vector<MovingHand> result;
   for (const SessionHand& hand : hands) {
     MovingHand& added =
-        result.emplace_back(MovingHand{hand, make_state(hand.model), make_scratch(hand.model), {}});
+        result.emplace_back(MovingHand{hand, make_state(hand.model), make_scratch(hand.model), {}, 0});
     added.scratch.hash_stages = recorded;
     added.record.hand = static_cast<std::uint8_t>(result.size() - 1);
   }
@@ -88,9 +90,13 @@ void tick_hand(const DeviceFrame& frame, const SessionParts& parts, WorldPager& 
   const std::span<const ObjectFrame> given = given_to(parts);
   take_input(frame, given, record);
   pager.hand_at(record.device, record.hand);
+  const clockid_t clock = work_clock(moving.hand.model.execution.threads);
+  const std::int64_t work_start = parts.paced ? read_clock(clock) : 0;
   const std::int64_t start = clock_ns();
   record.output = tick(moving.hand.model, moving.state, moving.scratch, record.device, given);
   record.duration_ns = nanoseconds_between(start, clock_ns());
+  if (parts.paced)
+    moving.work_ns = std::min<std::int64_t>(read_clock(clock) - work_start, record.duration_ns);
 }
 
 // One tick of each hand, that of the device in a step of its loop. False: the session shall end.
@@ -207,16 +213,19 @@ void note_times(std::uint64_t number, const TickMoment& at, RunningSession& sess
   const std::int64_t end = session.end = clock_ns(), period = period_of(session.pace);
   RunStatistics& statistics = session.statistics;
   std::uint32_t duration = 0;
-  for (const MovingHand& hand : session.hands) duration += hand.record.duration_ns;
+  std::int64_t work = 0;
+  for (const MovingHand& hand : session.hands) {
+    duration += hand.record.duration_ns;
+    work += hand.work_ns;
+  }
   statistics.tick_times.add(duration);
   const bool late = paced ? end > at.due + period : duration > period;
   statistics.deadline_misses += late ? 1 : 0;
   if (paced) note_input(session.hands, session.tick_start);
-  if (paced && by_samples(session.hands)) statistics.slowest_by_samples.add(duration, session.tick_start);
+  if (paced && by_samples(session.hands)) statistics.slowest_by_samples.add(work, session.tick_start);
   if (late && paced) {
-    const std::int64_t woken = at.start - at.waiting;
-    statistics.late.add({at.behind, woken, duration, end - at.due - at.behind - woken - duration},
-                        session.tick_start);
+    const std::int64_t woken = at.start - at.waiting, beside = end - at.due - at.behind - woken - duration;
+    statistics.late.add({at.behind, woken + duration - work, work, beside}, session.tick_start);
   }
   if (session.parts.device == nullptr) return;
   statistics.loop_times.add(nanoseconds_between(at.start, end));

@@ -1,8 +1,9 @@
-// Which stage of a tick takes how long.
+// Which stage of a tick takes how long, and by which clock.
 #pragma once
 
 #include <array>
-#include <chrono>
+#include <cstdint>
+#include <ctime>
 
 #include "lumbrical/tick.h"
 
@@ -11,18 +12,37 @@ namespace lumbrical::tool {
 inline constexpr const char* kStageWords[kStageCount] = {"input",    "hand pose", "search",
                                                          "contacts", "sums",      "limits"};
 
+/// [ns]
+inline std::int64_t read_clock(clockid_t clock) {
+  timespec time{};
+  ::clock_gettime(clock, &time);
+  return std::int64_t{1'000'000'000} * time.tv_sec + time.tv_nsec;
+}
+
+/// What a tick's work is measured by: the processor time of its thread, in which nothing is of other work. Of
+/// several threads it would leave out the helpers'.
+inline clockid_t work_clock(std::uint32_t threads) {
+  return threads > 1 ? CLOCK_MONOTONIC : CLOCK_THREAD_CPUTIME_ID;
+}
+
 /// For Scratch::watch: adds the time since the last stage's end to a stage. `last` is set before a tick.
 struct StageClock {
-  using Clock = std::chrono::steady_clock;
+  clockid_t clock = CLOCK_MONOTONIC;
   std::array<double, kStageCount> microseconds{};
-  Clock::time_point last;
+  std::int64_t last = 0;  ///< [ns]
+  void begin() { last = read_clock(clock); }
   static void ended(void* self, Stage stage) {
     auto& times = *static_cast<StageClock*>(self);
-    const Clock::time_point now = Clock::now();
-    times.microseconds[static_cast<std::size_t>(stage)] +=
-        std::chrono::duration<double, std::micro>(now - times.last).count();
+    const std::int64_t now = read_clock(times.clock);
+    times.microseconds[static_cast<std::size_t>(stage)] += 1e-3 * static_cast<double>(now - times.last);
     times.last = now;
   }
 };
+
+/// Objects go through the same stages.
+inline void set_watch(const StageWatch& watch, Scratch& scratch) {
+  scratch.watch = watch;
+  if (scratch.apart) scratch.apart->watch = watch;
+}
 
 }  // namespace lumbrical::tool
