@@ -345,6 +345,45 @@ TEST(CommandLine, PrecisionsOfMixedLawsAreComparedWithWhatFeelsTheSame) {
   const std::string exactly =
       "lumbrical run thin.json --compare-precision --law max-depth --ticks 1000 --json";
   EXPECT_EQ(shell(exactly, folder).json()["advised"], 0) << "no precision changes anything";
+  const Outcome told =
+      shell("lumbrical run thin.json --compare-precision --law max-depth --ticks 1000", folder);
+  EXPECT_NE(told.output.find("other laws than field are always exact"), std::string::npos) << told.output;
+}
+
+// No rung keeps 1e-4 within 5,000 evaluations: exact was advised, which knows no bound.
+TEST(CommandLine, AdviceOfAPrecisionKeepsTheEffortAndTellsWhetherTheRateIsKept) {
+  const fs::path folder = folder_with_demo();
+  const std::string bounded =
+      "lumbrical run demo.json --threads 1 --ticks 4000 --compare-precision --effort 5000";
+  const nlohmann::json json = shell(bounded + " --json", folder).json();
+  EXPECT_TRUE(json["cut_by_effort"]) << json;
+  EXPECT_GT(json["advised"], 0);
+  EXPECT_FALSE(json.contains("keeps_rate"));
+  const std::string cut = shell(bounded, folder).output;
+  EXPECT_NE(cut.find("\"effort\" 5,000 lets none keep the precision wanted"), std::string::npos) << cut;
+  const std::string free = "lumbrical run demo.json --threads 1 --compare-precision --rate ";
+  EXPECT_FALSE(shell(free + "100000 --json", folder).json()["keeps_rate"]);
+  const std::string kept = shell(free + "50", folder).output;
+  EXPECT_NE(kept.find("keeps 50 Hz"), std::string::npos) << kept;
+  EXPECT_NE(kept.find("times are processor time"), std::string::npos) << kept;
+}
+
+TEST(CommandLine, StagesTellWhereTheTimeOfTicksGoes) {
+  const fs::path folder = folder_with_demo();
+  const nlohmann::json json = shell("lumbrical run demo.json --ticks 3000 --stages --json", folder).json();
+  double shares = 0;
+  for (const nlohmann::json& stage : json["stage_us"]) {
+    expect_keys(stage, {"p50", "p99", "max", "share"});
+    shares += stage["share"].get<double>();
+  }
+  EXPECT_EQ(json["stage_us"].size(), 6u) << json;
+  EXPECT_NEAR(shares, 1, 1e-9);
+  EXPECT_GT(json["stage_us"]["contacts"]["max"], json["stage_us"]["input"]["p50"]);
+  EXPECT_LE(json["stage_us"]["contacts"]["max"], json["tick_us"]["max"]);
+  EXPECT_TRUE(json["deadline_misses"].is_null()) << "without a rate there are no deadlines";
+  const std::string text = shell("lumbrical run demo.json --ticks 100 --stages", folder).output;
+  EXPECT_NE(text.find("hand pose  p50"), std::string::npos) << text;
+  EXPECT_EQ(shell("lumbrical run demo.json --stages --compare-precision", folder).exit_code, 2);
 }
 
 // The thumb and the fingers that a grasp of something thin brings together.

@@ -41,7 +41,7 @@ struct RunOptions {
   std::optional<std::uint32_t> threads;
   std::string isa = "auto";
   std::optional<std::uint32_t> effort;
-  bool json = false, compare_precision = false, view = false;
+  bool json = false, compare_precision = false, view = false, stages = false;
   WorkSwitches work;
 };
 
@@ -152,8 +152,8 @@ Status compare_hand(const SceneFile& scene_file, const SecondHand& compared, con
 }
 
 int run_comparison(const RunOptions& options, const SceneFile& scene_file) {
-  if (options.view || !options.record.empty() || options.sink != "null")
-    return fail("--compare-precision: runs no session; leave out --record, --sink and --view");
+  if (options.view || options.stages || !options.record.empty() || options.sink != "null")
+    return fail("--compare-precision: runs no session; leave out --record, --sink, --stages and --view");
   double seconds = scene_file.seconds;
   if (options.ticks) seconds = static_cast<double>(*options.ticks) / scene_file.scene.settings.rate;
   std::vector<HandComparison> hands;
@@ -166,7 +166,9 @@ int run_comparison(const RunOptions& options, const SceneFile& scene_file) {
   const SecondHand* const second = scene_file.second ? &*scene_file.second : nullptr;
   Status status = compare(first, second);
   if (status.ok() && second != nullptr) status = compare(*second, &first);
-  return status.ok() ? print_comparison(hands, options.json) : fail(options.scene + ": " + status.message());
+  if (!status.ok()) return fail(options.scene + ": " + status.message());
+  const double rate = scene_file.scene.settings.rate;
+  return print_comparison(hands, is_paced(options) ? std::optional(rate) : std::nullopt, options.json);
 }
 
 // A hand without a contact is most often a motion that passes by, or a wrong unit.
@@ -282,7 +284,7 @@ int run(const RunOptions& options) {
   RunStatistics statistics =
       run_session(hands, ticks,
                   {paced, recording ? &recorder : nullptr, unrecorded, with_device ? &device : nullptr,
-                   device_hand, options.view ? &live_view : nullptr, &given});
+                   device_hand, options.view ? &live_view : nullptr, &given, false, options.stages});
   const bool told = !statistics.recording_error.ok();
   if (recording) {
     status = recorder.close();
@@ -360,8 +362,8 @@ Status run_line(const std::string& line, const RunOptions& common, Json& json) {
 // Every session by itself, as fast as it goes and on one thread.
 int run_list(RunOptions options) {
   if (options.work.results.empty()) return fail("--list: what comes of it needs a file; add --results");
-  if (options.view || options.compare_precision)
-    return fail("--list: runs sessions only; leave out --view and --compare-precision");
+  if (options.view || options.stages || options.compare_precision)
+    return fail("--list: runs sessions only; leave out --view, --stages and --compare-precision");
   std::vector<std::string> lines;
   if (Status status = choose_entries(options.work, lines); !status.ok()) return fail(status);
   const std::uint32_t jobs = options.threads.value_or(std::min(core_count(), 64u));
@@ -450,7 +452,9 @@ void add_run(Command& app, int& exit_code) {
       ->excludes("--list");
   command->add_flag(
       "--compare-precision", options->compare_precision,
-      "Instead of a session: each precision's error and time on this scene and motion, and advice");
+      "Instead of a session: each precision's error and processor time on this scene and motion, and advice; "
+      "with a --rate, whether that is kept");
+  command->add_flag("--stages", options->stages, "Tell where the time of ticks goes, stage by stage");
   command->add_flag("--view", options->view, "Show the session in the browser while it runs (with a --rate)");
   command
       ->add_option(

@@ -3,9 +3,9 @@
 
 #include <algorithm>
 #include <array>
-#include <chrono>
 
 #include "hand_force.h"
+#include "stage_clock.h"
 
 namespace lumbrical::tool {
 namespace {
@@ -19,7 +19,13 @@ struct Rung {
   State state;
   Scratch scratch;
   ActuatorFrame output;
-  std::vector<double> microseconds, hand_error, segment_error;
+  std::vector<double> microseconds, wall_microseconds, hand_error, segment_error;
+  std::uint64_t coarsened = 0, max_evaluations = 0;
+};
+
+/// Of a tick [us].
+struct TickTime {
+  double work = 0, wall = 0;
 };
 
 double share_of(std::vector<double>& values, double share) {
@@ -30,11 +36,12 @@ double share_of(std::vector<double>& values, double share) {
   return *place;
 }
 
-double time_tick(const DeviceFrame& frame, std::span<const ObjectFrame> given, Rung& rung) {
-  using Clock = std::chrono::steady_clock;
-  const auto start = Clock::now();
+TickTime time_tick(const DeviceFrame& frame, std::span<const ObjectFrame> given, Rung& rung) {
+  const clockid_t clock = work_clock(rung.model.execution.threads);
+  const std::int64_t wall = read_clock(CLOCK_MONOTONIC), work = read_clock(clock);
   rung.output = tick(rung.model, rung.state, rung.scratch, frame, given);
-  return std::chrono::duration<double, std::micro>(Clock::now() - start).count();
+  const std::int64_t work_end = read_clock(clock), wall_end = read_clock(CLOCK_MONOTONIC);
+  return {1e-3 * static_cast<double>(work_end - work), 1e-3 * static_cast<double>(wall_end - wall)};
 }
 
 // Of a grasp the forces nearly cancel: what they come to together is no measure.
@@ -58,6 +65,10 @@ PrecisionFigures figures_of(double precision, Rung& rung) {
   figures.precision = precision;
   figures.median_us = share_of(rung.microseconds, 0.5);
   figures.p99_us = share_of(rung.microseconds, 0.99);
+  figures.wall_median_us = share_of(rung.wall_microseconds, 0.5);
+  figures.wall_p99_us = share_of(rung.wall_microseconds, 0.99);
+  figures.coarsened = rung.coarsened;
+  figures.max_evaluations = rung.max_evaluations;
   figures.hand_error = share_of(rung.hand_error, 0.98);
   figures.worst_hand_error = share_of(rung.hand_error, 1);
   figures.segment_error = share_of(rung.segment_error, 0.98);
@@ -72,6 +83,29 @@ std::size_t advised_rung(const std::vector<PrecisionFigures>& rungs, double want
     if (keeps && rungs[i].median_us < rungs[advised].median_us) advised = i;
   }
   return advised;
+}
+
+// The best of those that keep within the effort, or the least of those that can't.
+std::size_t best_within_effort(const std::vector<PrecisionFigures>& rungs, std::uint32_t effort) {
+  const auto excess = [&](std::size_t i) {
+    return std::max<std::uint64_t>(rungs[i].max_evaluations, effort);
+  };
+  std::size_t best = 1;
+  for (std::size_t i = 2; i < rungs.size(); ++i) {
+    const bool is_as_busy = excess(i) == excess(best);
+    if (is_as_busy ? rungs[i].hand_error < rungs[best].hand_error : excess(i) < excess(best)) best = i;
+  }
+  return best;
+}
+
+// Exact is no answer where an effort is to be kept: it knows no bound.
+void advise(double wanted, PrecisionComparison& comparison) {
+  const std::vector<PrecisionFigures>& rungs = comparison.rungs;
+  comparison.advised = advised_rung(rungs, wanted);
+  const auto is_cut = [](const PrecisionFigures& rung) { return rung.coarsened > 0; };
+  comparison.cut_by_effort =
+      comparison.advised == 0 && wanted > 0 && std::any_of(rungs.begin(), rungs.end(), is_cut);
+  if (comparison.cut_by_effort) comparison.advised = best_within_effort(rungs, comparison.settings.effort);
 }
 
 // The finest of the segments that may be felt by samples at all. Exact ones among them say nothing of how
@@ -134,14 +168,18 @@ using Rungs = std::vector<Rung>;
 
 void compare_at(const DeviceFrame& frame, std::span<const ObjectFrame> given, Rungs& rungs,
                 PrecisionComparison& comparison) {
-  std::vector<double> microseconds(rungs.size());
-  for (std::size_t i = 0; i < rungs.size(); ++i) microseconds[i] = time_tick(frame, given, rungs[i]);
+  std::vector<TickTime> times(rungs.size());
+  for (std::size_t i = 0; i < rungs.size(); ++i) times[i] = time_tick(frame, given, rungs[i]);
   if (!(force_size(rungs[0].output) > kLeastForce)) return;
   ++comparison.ticks;
   comparison.contacts += rungs[0].output.contact_count;
   for (std::size_t i = 0; i < rungs.size(); ++i) {
-    rungs[i].microseconds.push_back(microseconds[i]);
-    add_errors(rungs[0].output, rungs[i]);
+    Rung& rung = rungs[i];
+    rung.microseconds.push_back(times[i].work);
+    rung.wall_microseconds.push_back(times[i].wall);
+    rung.coarsened += (rung.output.flags & kCoarsened) != 0 ? 1 : 0;
+    rung.max_evaluations = std::max(rung.max_evaluations, rung.output.evaluations);
+    add_errors(rungs[0].output, rung);
   }
 }
 
@@ -183,6 +221,10 @@ Status compare_precision(const Scene& scene, const Execution& execution, const M
   for (const double precision : kRungs) settings.push_back(settings_of(scene.settings, precision));
   const bool for_each_too = feels_once_by_samples(scene.settings);
   if (for_each_too) settings.push_back(at_precision(scene.settings, 0));
+  const auto& precision = scene.settings.precision;
+  const bool mixed = std::any_of(precision.begin(), precision.end(),
+                                 [&](double of_segment) { return of_segment != precision[0]; });
+  if (mixed) settings.push_back(without_limits(scene.settings));
   Rungs rungs(settings.size());
   for (std::size_t i = 0; i < rungs.size(); ++i)
     if (Status status = make_rung(scene, settings[i], execution, rungs[i]); !status.ok()) return status;
@@ -198,12 +240,12 @@ Status compare_precision(const Scene& scene, const Execution& execution, const M
   }
   comparison.contacts /= std::max<double>(1, static_cast<double>(comparison.ticks));
   for (std::size_t i = 0; i < kRungs.size(); ++i) comparison.rungs.push_back(figures_of(kRungs[i], rungs[i]));
-  if (for_each_too) comparison.exact_for_each = figures_of(0, rungs.back());
+  if (for_each_too) comparison.exact_for_each = figures_of(0, rungs[kRungs.size()]);
   if (for_each_too && !(comparison.exact_for_each->worst_hand_error > 0)) comparison.exact_for_each.reset();
-  comparison.advised = advised_rung(comparison.rungs, precision_wanted(scene.settings));
-  const auto& precision = scene.settings.precision;
-  comparison.mixed = std::any_of(precision.begin(), precision.end(),
-                                 [&](double of_segment) { return of_segment != precision[0]; });
+  if (mixed) comparison.own = figures_of(precision_wanted(scene.settings), rungs.back());
+  comparison.settings = scene.settings;
+  comparison.by_processor_time = execution.threads <= 1;
+  advise(precision_wanted(scene.settings), comparison);
   return {};
 }
 

@@ -15,8 +15,11 @@
 namespace lumbrical::tool {
 
 struct PrecisionFigures {
-  double precision = 0;              ///< Settings::precision of every segment; 0: exact
-  double median_us = 0, p99_us = 0;  ///< of a tick that touches
+  double precision = 0;                        ///< Settings::precision of every segment; 0: exact
+  double median_us = 0, p99_us = 0;            ///< of a tick that touches, by work_clock
+  double wall_median_us = 0, wall_p99_us = 0;  ///< the same, with what other work took of the processor
+  std::uint64_t coarsened = 0;                 ///< ticks that Settings::effort made coarser
+  std::uint64_t max_evaluations = 0;           ///< of a tick
   double hand_error = 0,
          worst_hand_error = 0;  ///< in 98 of 100 ticks, and in all; shares of the segments' forces together
   double segment_error = 0;     ///< the worst segment's, in 98 of 100 ticks; of the hand's force
@@ -29,9 +32,14 @@ struct PrecisionComparison {
   /// Exact as the scene has it, where that feels for each part what several hold together: the exact rung,
   /// which others are held against, feels it once (FeltOnce::always).
   std::optional<PrecisionFigures> exact_for_each;
+  /// Of a scene that asks for several precisions, in the place of which the advised one is for all: its own.
+  std::optional<PrecisionFigures> own;
   /// The quickest rung that keeps the precision the scene asks for: the finest of its segments by samples.
+  /// Where its effort lets none of them, the best of those that keep within the effort.
   std::size_t advised = 0;
-  bool mixed = false;  ///< the scene asks for several, in the place of which the advised one is for all
+  bool cut_by_effort = false;     ///< the advised one is what the effort leaves
+  Settings settings;              ///< the scene's
+  bool by_processor_time = true;  ///< of one thread; of several by the clock on the wall
 };
 
 /// [N] Below, shares of the hand's force say little.

@@ -228,6 +228,8 @@ void read_meshes(const Json& json, Results& results) {
     const std::string mesh = text_at(row, "mesh", where), rung = text_at(row, "rung", where);
     auto& counters = results.counters["meshes/" + mesh + "/" + rung];
     for (const char* const key : {"median_us", "p99_us"}) counters[key] = positive_at(row, key, where);
+    for (const char* const key : {"processor_p50_us", "processor_p99_us"})
+      if (row.contains(key)) counters[key] = positive_at(row, key, where);
     for (const char* const key : {"hand_error", "worst_hand_error", "segment_error"})
       counters[key] = amount_at(row, key, where);
     const double time = counters["median_us"], error = counters["hand_error"];

@@ -66,13 +66,14 @@ struct MovingHand {
   Scratch scratch;
   TickRecord record;
   std::int64_t work_ns = 0;  // of its last tick, by work_clock
+  StageClock stages;         // of its last tick
 };
 
 std::vector<MovingHand> moving(const std::vector<SessionHand>& hands, bool recorded) {
   std::vector<MovingHand> result;
   for (const SessionHand& hand : hands) {
     MovingHand& added =
-        result.emplace_back(MovingHand{hand, make_state(hand.model), make_scratch(hand.model), {}, 0});
+        result.emplace_back(MovingHand{hand, make_state(hand.model), make_scratch(hand.model), {}, 0, {}});
     added.scratch.hash_stages = recorded;
     added.record.hand = static_cast<std::uint8_t>(result.size() - 1);
   }
@@ -92,6 +93,8 @@ void tick_hand(const DeviceFrame& frame, const SessionParts& parts, WorldPager& 
   pager.hand_at(record.device, record.hand);
   const clockid_t clock = work_clock(moving.hand.model.execution.threads);
   const std::int64_t work_start = parts.paced ? read_clock(clock) : 0;
+  moving.stages.microseconds = {};
+  moving.stages.begin();
   const std::int64_t start = clock_ns();
   record.output = tick(moving.hand.model, moving.state, moving.scratch, record.device, given);
   record.duration_ns = nanoseconds_between(start, clock_ns());
@@ -208,6 +211,15 @@ TickMoment wait_for_tick(std::uint64_t number, RunningSession& session) {
   return at;
 }
 
+void note_stages(RunningSession& session) {
+  for (std::size_t i = 0; i < kStageCount; ++i) {
+    double microseconds = 0;
+    for (const MovingHand& hand : session.hands) microseconds += hand.stages.microseconds[i];
+    session.statistics.stage_times[i].add(static_cast<std::uint32_t>(1e3 * microseconds));
+    session.statistics.stage_sums[i] += microseconds;
+  }
+}
+
 void note_times(std::uint64_t number, const TickMoment& at, RunningSession& session) {
   const bool paced = session.parts.paced;
   const std::int64_t end = session.end = clock_ns(), period = period_of(session.pace);
@@ -219,11 +231,11 @@ void note_times(std::uint64_t number, const TickMoment& at, RunningSession& sess
     work += hand.work_ns;
   }
   statistics.tick_times.add(duration);
-  const bool late = paced ? end > at.due + period : duration > period;
+  const bool late = paced && end > at.due + period;
   statistics.deadline_misses += late ? 1 : 0;
   if (paced) note_input(session.hands, session.tick_start);
   if (paced && by_samples(session.hands)) statistics.slowest_by_samples.add(work, session.tick_start);
-  if (late && paced) {
+  if (late) {
     const std::int64_t woken = at.start - at.waiting, beside = end - at.due - at.behind - woken - duration;
     statistics.late.add({at.behind, woken + duration - work, work, beside}, session.tick_start);
   }
@@ -273,6 +285,8 @@ RunStatistics run_session(const std::vector<SessionHand>& hands, std::uint64_t t
   const Model& model = hands[0].model;
   const double rate = model.settings.rate;
   RunningSession session{parts, moving(hands, parts.recorder != nullptr), WorldPager(model, {})};
+  for (MovingHand& hand : session.hands)
+    if (parts.stages) set_watch({&StageClock::ended, &hand.stages}, hand.scratch);
   RunStatistics& statistics = session.statistics;
   statistics.hands.resize(hands.size());
   std::optional<Progress> progress;
@@ -298,6 +312,7 @@ RunStatistics run_session(const std::vector<SessionHand>& hands, std::uint64_t t
     }
     move_given_objects(i + 1, session);
     note_times(i, at, session);
+    if (parts.stages) note_stages(session);
     if (!keep_results(session)) break;
     if (progress) progress->update(i + 1, ticks);
     statistics.interrupted = stop_requested();

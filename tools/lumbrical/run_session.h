@@ -43,10 +43,12 @@ struct RunStatistics {
   TickTimes wake_ups;                ///< paced: how late after its moment a tick began that could have begun
   RealTime real_time;                ///< paced: what the system allowed
   std::uint64_t page_faults = 0;     ///< of the ticking thread during the session
-  std::uint64_t deadline_misses =
-      0;                         ///< paced: results later than their period's end; else ticks longer than one
-  LateTicks late;                ///< paced: what was behind them
-  SlowTicks slowest_by_samples;  ///< paced: of ticks with evaluations, late or not
+  /// With SessionParts::stages: of each stage of the ticks of all hands, and all of it together [us].
+  std::array<TickTimes, kStageCount> stage_times;
+  std::array<double, kStageCount> stage_sums{};
+  std::uint64_t deadline_misses = 0;          ///< paced: results later than their period's end
+  LateTicks late;                             ///< paced: what was behind them
+  SlowTicks slowest_by_samples;               ///< paced: of ticks with evaluations, late or not
   std::uint64_t max_evaluations = 0;          ///< of fields by samples, in one hand's tick
   double evaluations = 0, evaluating_ns = 0;  ///< sums over the ticks in which there were any
   Status recording_error;                     ///< that ended the recording before the session
@@ -78,6 +80,7 @@ struct SessionParts {
   LiveView* view = nullptr;         ///< started
   GivenObjects* given = nullptr;    ///< started
   bool silent = false;              ///< shows no progress
+  bool stages = false;              ///< measures each
 };
 
 /// Runs `ticks` ticks of each hand, one hand after the other, tick i at session time i / settings.rate, paced

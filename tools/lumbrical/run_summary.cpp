@@ -3,9 +3,11 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <numeric>
 #include <utility>
 
 #include "approach_text.h"
+#include "stage_clock.h"
 #include "winding_text.h"
 
 namespace lumbrical::tool {
@@ -114,6 +116,31 @@ Json times_json(const TickTimes& times) {
 std::string times_text(const TickTimes& times) {
   return "p50 " + brief(microseconds(times, 0.5)) + "   p99 " + brief(microseconds(times, 0.99)) +
          "   p99.9 " + brief(microseconds(times, 0.999)) + "   max " + brief(times.max() / 1000.0) + " us";
+}
+
+bool has_stages(const RunStatistics& run) { return run.stage_times[0].max() > 0; }
+
+double stage_share(const RunStatistics& run, std::size_t stage) {
+  return run.stage_sums[stage] / std::accumulate(run.stage_sums.begin(), run.stage_sums.end(), 0.0);
+}
+
+Json stages_json(const RunStatistics& run) {
+  Json json;
+  for (std::size_t i = 0; i < kStageCount; ++i) {
+    Json stage = times_json(run.stage_times[i]);
+    stage["share"] = stage_share(run, i);
+    json[kStageWords[i]] = std::move(stage);
+  }
+  return json;
+}
+
+void add_stages(const RunStatistics& run, Table& table) {
+  for (std::size_t i = 0; i < kStageCount; ++i) {
+    std::string name = kStageWords[i];
+    name.resize(9, ' ');
+    table.add(i == 0 ? "of that" : "", name + "  " + times_text(run.stage_times[i]) + "   " +
+                                           brief(100 * stage_share(run, i), 3) + " % of all");
+  }
 }
 
 // Of ticks with all that is in them; 0 where nothing was felt by samples.
@@ -338,7 +365,8 @@ Json run_json(const RunSummary& summary) {
   json["ticks"] = run.ticks;
   json["rate_hz"] = rate_reached(run);
   json["tick_us"] = times_json(run.tick_times);
-  json["deadline_misses"] = run.deadline_misses;
+  json["deadline_misses"] = paced ? Json(run.deadline_misses) : Json(nullptr);
+  if (has_stages(run)) json["stage_us"] = stages_json(run);
   json["effort"] = {{"max_evaluations", run.max_evaluations},
                     {"ns_per_evaluation", ns_per_evaluation(run)},
                     {"fits_half_a_period", effort.fits ? Json(*effort.fits) : Json(nullptr)}};
@@ -385,6 +413,7 @@ std::string run_text(const RunSummary& summary) {
                         (paced ? ", " + grouped(run.deadline_misses) + " ticks missed their deadline" : ""));
   if (paced) add_late(run.late, late, 1e6 / model.settings.rate, table);
   table.add("tick time", times_text(run.tick_times));
+  if (has_stages(run)) add_stages(run, table);
   if (device != nullptr) table.add("with the device", times_text(run.loop_times));
   if (paced) {
     add_real_time(run, table);

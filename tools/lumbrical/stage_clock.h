@@ -25,7 +25,7 @@ inline clockid_t work_clock(std::uint32_t threads) {
   return threads > 1 ? CLOCK_MONOTONIC : CLOCK_THREAD_CPUTIME_ID;
 }
 
-/// For Scratch::watch: adds the time since the last stage's end to a stage. `last` is set before a tick.
+/// For Scratch::watch: adds the time since the last stage's end to a stage. A tick begins with `begin`.
 struct StageClock {
   clockid_t clock = CLOCK_MONOTONIC;
   std::array<double, kStageCount> microseconds{};
