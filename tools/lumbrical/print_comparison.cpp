@@ -51,6 +51,11 @@ std::size_t segments_by_law(const Settings& settings) {
       std::count_if(settings.law.begin(), settings.law.end(), [](Law law) { return law != Law::field; }));
 }
 
+bool has_exact(const Settings& settings) {
+  const auto& precision = settings.precision;
+  return std::find(precision.begin(), precision.end(), 0.0) != precision.end();
+}
+
 std::string effort_text(const PrecisionComparison& comparison) {
   const PrecisionFigures& rung = advised(comparison);
   std::string text = "--precision " + precision_name(rung.precision) + ": \"effort\" " +
@@ -80,6 +85,8 @@ std::string advice_of(const PrecisionComparison& comparison) {
     if (precision == 0 && comparison.settings.effort > 0) text += "; no effort bounds what is exact";
   }
   if (comparison.own) text += ", of all segments alike: the scene's own are mixed";
+  if (comparison.own && advised(comparison).precision > 0 && has_exact(comparison.settings))
+    text += ", and the exact ones among them exact only as it is";
   if (by_law > 0) text += "; segments of other laws than field (" + grouped(by_law) + ") are always exact";
   return text;
 }

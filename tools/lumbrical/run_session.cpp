@@ -4,6 +4,7 @@
 #include <sys/resource.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <optional>
 #include <span>
@@ -215,7 +216,7 @@ void note_stages(RunningSession& session) {
   for (std::size_t i = 0; i < kStageCount; ++i) {
     double microseconds = 0;
     for (const MovingHand& hand : session.hands) microseconds += hand.stages.microseconds[i];
-    session.statistics.stage_times[i].add(static_cast<std::uint32_t>(1e3 * microseconds));
+    session.statistics.stage_times[i].add(nanoseconds_between(0, std::llround(1e3 * microseconds)));
     session.statistics.stage_sums[i] += microseconds;
   }
 }
