@@ -34,8 +34,8 @@ enum class Law : std::uint8_t {
 enum class FeltOnce : std::uint8_t {
   never,       ///< each part of the hand feels as if it were alone
   by_samples,  ///< by samples, for a fifth more of a drape's time; exact segments don't know
-  always,      ///< exactly too, in 1 to 16 times the time: for the field law, and all segments by samples or
-               ///< all exact; what is taken off is off by an estimate, not a bound
+  always,      ///< exactly too, in 1 to 16 times the time, on needles 250: for the field law, and with all
+               ///< segments by samples or all exact; what is taken off is off by an estimate, not a bound
 };
 
 /// Where candidate triangles come from. Never changes a result, only the time it takes.
