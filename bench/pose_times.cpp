@@ -16,6 +16,7 @@
 #include <utility>
 #include <vector>
 
+#include "fists.h"
 #include "lumbrical/shapes.h"
 #include "lumbrical/tick.h"
 #include "pressed_hand.h"
@@ -29,8 +30,8 @@ namespace {
 
 using namespace lumbrical;
 using bench::thread_microseconds;
+using test::kBeyond;
 
-constexpr double kBeyond = 0.5;         // [rad] so far angles go beyond a hand's limits
 constexpr std::uint32_t kFewPairs = 8;  // with fewer the time per pair says nothing
 constexpr std::size_t kSlowest = 5;     // that are named
 constexpr double kPrecisions[] = {0, 1e-4};
@@ -49,14 +50,6 @@ std::vector<World> worlds() {
 
 const char* precision_name(double precision) { return precision == 0 ? "exact" : "1e-4"; }
 
-// An adult's hand whose joints bend farther than an adult's.
-Hand loose_hand(Hand hand) {
-  for (Finger& finger : hand.finger) {
-    for (AngleLimit& limit : finger.limit) limit = {limit.lower - kBeyond, limit.upper + kBeyond};
-  }
-  return hand;
-}
-
 struct Session {
   Model model;
   State state;
@@ -65,7 +58,7 @@ struct Session {
 
   Session(const World& world, double precision) {
     Scene scene;
-    scene.hand = loose_hand(default_hand(Side::right));
+    scene.hand = test::loosened(default_hand(Side::right));
     scene.settings.precision.fill(precision);
     scene.objects = {{world.name, world.mesh}};
     if (const Status status = build_model(scene, {}, model); !status.ok()) {

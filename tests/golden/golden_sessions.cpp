@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "borders/pair_contact.h"
+#include "fists.h"
 #include "golden_hashes.h"
 #include "lumbrical/jacobian.h"
 #include "pressed_hand.h"
@@ -177,6 +178,17 @@ GoldenSession bent(const std::string& name, double precision, double plump) {
   return session;
 }
 
+/// Fists about a ball of triangles so fine that parts take blocks as ones.
+GoldenSession fists() {
+  GoldenSession session{"fists", pressed_scene(0.1, 1), {}};
+  session.scene.hand = loosened(session.scene.hand);
+  session.scene.settings.precision.fill(1e-4);
+  session.scene.objects = {{"ball", make_sphere(0.02, 60)}};
+  Random random(7);
+  for (int i = 0; i < 40; ++i) session.frames.push_back(fist_frame(session.scene.hand, random, 0.02));
+  return session;
+}
+
 GoldenSession far_away() {
   GoldenSession session = grasp("far", Law::field, 40);
   const Vec3 away{1234.5, -987.25, 33.125};
@@ -327,6 +339,7 @@ std::vector<GoldenSession> golden_sessions() {
   sessions.push_back(held_together("once.exact", 0, FeltOnce::always));
   sessions.push_back(bent("bent", 0, 1));
   sessions.push_back(bent("plump", 1e-4, 1.6));
+  sessions.push_back(fists());
   sessions.push_back(objects());
   sessions.push_back(proxy());
   sessions.push_back(surface());

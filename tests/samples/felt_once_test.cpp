@@ -7,6 +7,7 @@
 #include <span>
 #include <string>
 
+#include "fists.h"
 #include "largest.h"
 #include "lumbrical/jacobian.h"
 #include "model/primitive.h"
@@ -114,6 +115,27 @@ TEST(FeltOnce, NeighboursKeepTheirSharesWhereAnotherFingerLiesAlongTheirJoint) {
     FeelingHand samples(scene, precision);
     EXPECT_LT(worst_segment(samples(frame), felt), 3 * precision) << precision;
   }
+}
+
+// Fists, bent beyond an adult's limits, about a ball of triangles so fine that parts take blocks of them as
+// ones: of two neighbouring tiles one may share space with such a part, and the other not.
+TEST(FeltOnce, NeighboursOfWhichOneMeetsAPartLeaveToItTheBlocksThatItTakes) {
+  const Hand hand = loosened(default_hand(Side::right));
+  Scene scene = sampled_scene(hand, {{"ball", make_sphere(0.02, 60)}});
+  scene.settings.felt_once = FeltOnce::always;
+  FeelingHand exact(scene, 0), samples(scene, 1e-4);
+  Random random(7);
+  std::size_t felt_poses = 0;
+  for (int pose = 0; pose < 40; ++pose) {
+    const DeviceFrame frame = fist_frame(hand, random, 0.02);
+    const ActuatorFrame by_samples = samples(frame);
+    if (force_size(by_samples) < 5) continue;
+    const ActuatorFrame felt = exact(frame);
+    ++felt_poses;
+    EXPECT_LT(norm(total_force(by_samples) - total_force(felt)), 1.5e-4 * force_size(felt)) << pose;
+    EXPECT_LT(worst_segment(by_samples, felt), 3e-4) << pose;
+  }
+  EXPECT_GT(felt_poses, 30u);
 }
 
 // Of thick fingers and a thick palm up to three meet in a cell, and planes that go through the palm's middle

@@ -50,14 +50,18 @@ void for_entries(FoundByBody found, const Take& take) {
 // Marks what bodies have found and lists the blocks that they share patches of.
 void mark_blocks(FoundByBody found, Overlaps& overlaps) {
   overlaps.any_whole = false;
+  overlaps.taken_again.clear();
   overlaps.shared.clear();
   for_entries(found, [&](std::size_t, const FoundPatches& entry) {
     if (!is_block(kind_of(entry))) prefetch(&overlaps.met[entry.block], sizeof(MetLanes));
   });
   for_entries(found, [&](std::size_t body, const FoundPatches& entry) {
     if (is_block(kind_of(entry))) {
+      const auto part = static_cast<std::uint8_t>(std::countr_zero(parts_in(entry, body)));
+      std::uint8_t& by = overlaps.taken_by[entry.block];
       overlaps.any_whole = true;
-      overlaps.taken_by[entry.block] = static_cast<std::uint8_t>(std::countr_zero(parts_in(entry, body)) + 1);
+      if (by != 0) overlaps.taken_again.push_back({entry.block, part});
+      if (by == 0) by = static_cast<std::uint8_t>(part + 1);
       return;
     }
     MetLanes& met = overlaps.met[entry.block];
@@ -88,17 +92,37 @@ bool has_rivals(Rivals& rivals, std::uint64_t parts) {
   return any;
 }
 
-// Are patches in a block that another part takes as one? Then that is deeper throughout than all parts that
-// share space with it; the others were not asked.
-bool is_taken(const Patches& patches, const Overlaps& overlaps, Rivals& rivals, std::uint64_t parts,
-              std::uint32_t block) {
-  if (!overlaps.any_whole || block >= patches.block.size()) return false;
+// Of the parts that an entry is about those that share no space with a part that takes its block as one: that
+// one is deeper throughout than all others, which were not asked.
+std::uint64_t untaken_of(const Patches& patches, const Overlaps& overlaps, Rivals& rivals,
+                         std::uint64_t parts, std::uint32_t block) {
+  if (!overlaps.any_whole || block >= patches.block.size()) return parts;
   for (const std::uint32_t first : patches.first_samples) {
-    const std::uint8_t by = overlaps.taken_by[first + block];
-    if (by != 0 && (parts & ~rivals.of(by - 1u)) == 0) return true;
+    if (const std::uint8_t by = overlaps.taken_by[first + block]; by != 0) {
+      parts &= ~rivals.of(by - 1u);
+      for (const TakenBlock& taken : overlaps.taken_again)
+        if (taken.block == first + block) parts &= ~rivals.of(taken.part);
+    }
     block /= kBlocksInLarger;
   }
-  return false;
+  return parts;
+}
+
+// Calls take(entry) about those of its tiles that are left, as if the others were not near: for neighbours
+// together, for the ends of a finger one after the other.
+template <class Take>
+void for_untaken(const Patches& patches, const Overlaps& overlaps, Rivals& rivals, const FoundPatches& entry,
+                 std::size_t body, const Take& take) {
+  const std::uint64_t parts = parts_in(entry, body),
+                      left = untaken_of(patches, overlaps, rivals, parts, entry.block);
+  if (left == parts) return take(entry);
+  for (std::uint64_t tiles = parts_of_body(left, body); tiles != 0;) {
+    const auto first = static_cast<std::uint32_t>(std::countr_zero(tiles));
+    const bool has_two = has_bit(tiles, first + 1);
+    const std::uint32_t kind = has_two ? kind::kInnerJoint + first : kind::kTile + first;
+    take({static_cast<std::uint16_t>(entry.key - kind_of(entry) + kind), entry.lanes, entry.block});
+    tiles &= ~((has_two ? std::uint64_t{3} : 1) << first);
+  }
 }
 
 void see_sharers(const Patches& patches, FoundByBody found, Rivals& rivals, Overlaps& overlaps) {
@@ -106,16 +130,16 @@ void see_sharers(const Patches& patches, FoundByBody found, Rivals& rivals, Over
     if (is_block(kind_of(entry))) return;
     const MetLanes& met = overlaps.met[entry.block];
     const unsigned lanes = met.again & entry.lanes;
-    const std::uint64_t parts = parts_in(entry, body);
-    if (lanes == 0 || !has_rivals(rivals, parts) || is_taken(patches, overlaps, rivals, parts, entry.block))
-      return;
+    if (lanes == 0 || !has_rivals(rivals, parts_in(entry, body))) return;
     SharedBlock& shared = overlaps.shared[met.number];
-    shared.of_body[body] = lanes_of(shared.of_body[body] | lanes);
-    shared.parts |= parts;
-    if (sharers_of(kind_of(entry)) > 1) shared.at_joint = lanes_of(shared.at_joint | lanes);
-    // Alone, what goes through the palm's polygon is exact. A lattice meets the kink there.
-    if (class_of(entry) >= kPatchSizes || kind_of(entry) == kind::kPalmThrough)
-      shared.near_skeleton = lanes_of(shared.near_skeleton | lanes);
+    for_untaken(patches, overlaps, rivals, entry, body, [&](const FoundPatches& left) {
+      shared.of_body[body] = lanes_of(shared.of_body[body] | lanes);
+      shared.parts |= parts_in(left, body);
+      if (sharers_of(kind_of(left)) > 1) shared.at_joint = lanes_of(shared.at_joint | lanes);
+      // Alone, what goes through the palm's polygon is exact. A lattice meets the kink there.
+      if (class_of(left) >= kPatchSizes || kind_of(left) == kind::kPalmThrough)
+        shared.near_skeleton = lanes_of(shared.near_skeleton | lanes);
+    });
   });
 }
 
@@ -245,10 +269,11 @@ bool part_entries(const Patches& patches, FoundByBody found, Rivals& rivals, Lis
         overlaps.kept[lists.kept++] = entry;
         continue;
       }
-      if (is_taken(patches, overlaps, rivals, parts_in(entry, body), entry.block)) continue;
-      const unsigned lanes = part_entry(entry, body, lists);
-      if (lanes != 0) overlaps.kept[lists.kept++] = {entry.key, lanes_of(lanes), entry.block};
-      if (lists.together > most || lists.by_parts > most) return false;
+      for_untaken(patches, overlaps, rivals, entry, body, [&](const FoundPatches& left) {
+        const unsigned lanes = part_entry(left, body, lists);
+        if (lanes != 0) overlaps.kept[lists.kept++] = {left.key, lanes_of(lanes), left.block};
+      });
+      if (std::max({lists.kept, lists.together, lists.by_parts}) > most) return false;
     }
     if (!is_felt(lists.bodies, body)) lists.kept = begin;
     overlaps.left[body] = std::span(overlaps.kept).subspan(begin, lists.kept - begin);
@@ -305,6 +330,7 @@ void size_overlaps(const Model& model, Overlaps& overlaps) {
   at_least(patches.samples.size(), overlaps.taken_by);
   const std::size_t most = std::min<std::size_t>(model.settings.max_candidates, blocks * kMostOfBlock);
   overlaps.shared.reserve(std::min(blocks, most));
+  overlaps.taken_again.reserve(most);
   at_least(most + kMostOfBlock, overlaps.kept);
   at_least(most + kMostOfBlock, overlaps.found_together);
   at_least(most + kMostOfBlock, overlaps.together);

@@ -34,6 +34,12 @@ struct SharedBlock {
   std::uint16_t of_others = 0;                           ///< else of several
 };
 
+/// A block that a part takes as one, beside another part that does.
+struct TakenBlock {
+  std::uint32_t block;
+  std::uint8_t part;
+};
+
 /// A patch that a tile shares with the palm, or with another one, and the key of its list.
 struct FoundTogether {
   ListedPatch patch;
@@ -52,9 +58,10 @@ struct SharedPatches {
 
 /// What there is room for is sized once; blocks that are met are unmarked again after every search.
 struct Overlaps {
-  std::vector<MetLanes> met;           ///< of each block
-  std::vector<std::uint8_t> taken_by;  ///< of each block as one: the part's number plus 1, or 0
-  bool any_whole = false;              ///< is there any of those?
+  std::vector<MetLanes> met;            ///< of each block
+  std::vector<std::uint8_t> taken_by;   ///< of each block as one: the part's number plus 1, or 0
+  bool any_whole = false;               ///< is there any of those?
+  std::vector<TakenBlock> taken_again;  ///< by others than those
   std::vector<SharedBlock> shared;
   std::vector<FoundPatches> kept;
   std::array<std::span<const FoundPatches>, Bodies::kMostFingers + 1> left;  ///< to each body by itself
