@@ -29,8 +29,9 @@ inline DeviceFrame fist_frame(const Hand& hand, Random& random, double away) {
   }
   frame.base.orientation = random.rotation();
   const std::size_t joint = kThumbMetacarpal + random.below(kJointCount - kThumbMetacarpal);
-  frame.base.position =
-      away * random.direction() + random.in_box(0.01) - posed_joints(hand, frame)[joint].position;
+  // One draw a statement: in which order a sum draws is up to the compiler.
+  const Vec3 from_origin = away * random.direction();
+  frame.base.position = from_origin + random.in_box(0.01) - posed_joints(hand, frame)[joint].position;
   return frame;
 }
 
