@@ -37,7 +37,7 @@ inline constexpr GoldenHash kGolden[] = {
     {"once.exact", 0x856fed2d5bc63fd3},
     {"bent", 0x553879e650c63c03},
     {"plump", 0x636ca2dbdb2c2db1},
-    {"fists", 0xbd78fff665a1db2e},
+    {"fists", 0x7ac93474521ec0cd},
     {"objects", 0x9cb4e5656590cb05},
     {"proxy", 0x2c3394d146c2104c},
     {"surface", 0x0bd551152ee7d965},

@@ -295,6 +295,31 @@ TEST(SampledRung, ABentFingersTipKeepsItsForceWhereItLooksAtTheFirstPhalanx) {
   EXPECT_GT(felt, 0.1);
 }
 
+// Thin where they bend, so far that what is thick of one phalanx lies in its neighbour.
+TEST(SampledRung, AFingerThatFoldsIntoItselfIsFeltAsExactly) {
+  Random random(37);
+  std::size_t felt = 0;
+  for (int i = 0; i < 60; ++i) {
+    Hand hand = plain_hand(0.008);
+    std::array<Vec3, 4> joint{};
+    for (std::size_t k = 0; k < 4; ++k) {
+      hand.radius[kIndexProximal + k] =
+          k % 2 == 0 ? random.between(0.008, 0.02) : random.between(0.004, 0.008);
+      const Vec3 away = random.direction();
+      if (k > 0) joint[k] = joint[k - 1] + random.between(0.022, 0.04) * away;
+    }
+    const Vec3 aside = random.in_box(0.01) - joint[1];
+    for (Vec3& p : joint) p += aside;
+    const Scene scene = sampled_scene(hand, {{"plane", make_plane(0.16, 160)}});
+    const DeviceFrame frame = finger_frame(joint);
+    const Vec3 exact = total_force(FeelingHand(scene, 0)(frame)),
+               sampled = total_force(FeelingHand(scene, 1e-4)(frame));
+    felt += norm(exact) > 1;
+    EXPECT_LE(norm(sampled - exact), 1e-4 * norm(exact) + 1e-5) << i;
+  }
+  EXPECT_GT(felt, 50u);
+}
+
 // A phalanx of no length, or one whose larger end holds the other: a sphere, which points no way. One that is
 // nearly that, behind which lies much of its neighbour.
 TEST(SampledRung, AFingerOfWhichAPhalanxIsASphereOrNearlyIsFeltAsExactly) {

@@ -51,13 +51,43 @@ bool set_tile(const Primitive& phalanx, Vec3 direction, Vec3 origin, TileFrame& 
   return turned;
 }
 
-// Places tell as fields do, but behind a tile's other end, which is near the joint where a tile is short.
+// [m] How deep a point is in a phalanx, or a little less.
+double depth_in(const Primitive& phalanx, Vec3 point) {
+  const Vec3 axis = phalanx.end2 - phalanx.end1, from = point - phalanx.end1;
+  const double square = dot(axis, axis),
+               along = square > 0 ? std::clamp(dot(from, axis) / square, 0.0, 1.0) : 0.0;
+  return phalanx.radius1 + along * (phalanx.radius2 - phalanx.radius1) - norm(from - along * axis);
+}
+
+// From 0 to 1: do places mislead at the joint between phalanges k - 1 and k? Of a cone without ends a point's
+// place and field make a right triangle with its distance from the joint, place^2 + (joint radius - field)^2:
+// of two cones the larger place has the larger field, unless that is above the joint's radius, or the point
+// lies behind a phalanx's end.
+double places_mislead(const Primitives& hand, std::size_t k) {
+  const Primitive &inner = hand.capsule[k - 1], &outer = hand.capsule[k];
+  const double joint_radius = inner.radius2;
+  const Vec3 apart = outer.end2 - inner.end1;
+  const double into = std::max(depth_in(inner, outer.end2) + outer.radius2,
+                               depth_in(outer, inner.end1) + inner.radius1),
+               behind = std::max(outer.radius2 - dot(apart, hand.direction[k - 1]),
+                                 inner.radius1 - dot(apart, hand.direction[k])),
+               misled = std::max(std::min(into, behind), into - 2 * joint_radius);
+  constexpr double kMargin = 0.25;  // of the joint's radius
+  return std::clamp(1 + misled / (kMargin * joint_radius), 0.0, 1.0);
+}
+
 bool is_short(const TileFrame& tile) { return tile.cosine * tile.length < tile.radius; }
 
-JointSides sides_of(const TileFrame& inner, bool inner_turned, const TileFrame& outer, bool outer_turned) {
-  constexpr float kPlacesShare = 1.0f / 16;  // where fields tell: they are the same round the joint's sphere
-  const bool is_sphere = inner.length == 0 || outer.length == 0;
-  const float by_place = is_sphere ? 0 : is_short(inner) || is_short(outer) ? kPlacesShare : 1;
+// Places tell as fields do, but where they mislead, which is near the joint where a tile is short.
+float places_share(const TileFrame& inner, const TileFrame& outer, double misled) {
+  constexpr float kLeast = 1.0f / 16;  // fields are the same round the joint's sphere
+  if (inner.length == 0 || outer.length == 0) return 0;
+  if (is_short(inner) || is_short(outer)) return kLeast;
+  return 1 - static_cast<float>(misled) * (1 - kLeast);
+}
+
+JointSides sides_of(const TileFrame& inner, bool inner_turned, const TileFrame& outer, bool outer_turned,
+                    float by_place) {
   return {inner_turned ? by_place : -by_place, inner_turned ? 0.0f : inner.length,
           outer_turned ? -by_place : by_place, outer_turned ? outer.length : 0.0f, 1 - by_place};
 }
@@ -73,7 +103,10 @@ void set_finger(const Primitives& hand, std::size_t first, std::size_t last, con
     finger.block_size[k] = static_cast<float>(rules.block_size[first + k]);
     finger.steps[k] = rules.steps[first + k].data();
     turned[k] = set_tile(hand.capsule[first + k], hand.direction[first + k], finger.origin, finger.tile[k]);
-    if (k > 0) finger.joint[k - 1] = sides_of(finger.tile[k - 1], turned[k - 1], finger.tile[k], turned[k]);
+    if (k == 0) continue;
+    const TileFrame &inner = finger.tile[k - 1], &outer = finger.tile[k];
+    const float by_place = places_share(inner, outer, places_mislead(hand, first + k));
+    finger.joint[k - 1] = sides_of(inner, turned[k - 1], outer, turned[k], by_place);
   }
 }
 

@@ -28,8 +28,8 @@ struct TileFrame {
 };
 
 /// What two neighbouring tiles are told apart by: how far along its own axis, away from the joint they share,
-/// the nearest part of each of them is. Beside a short tile their fields tell, and places only where those
-/// are the same.
+/// the nearest part of each of them is. Beside a short tile, and where one bends into the other, their fields
+/// tell, and places only where those are the same.
 struct JointSides {
   float inner_sign, inner_place;  ///< which way that is, times what places count; [m] of the joint
   float outer_sign, outer_place;  ///< the same on the outer tile's axis
