@@ -17,7 +17,11 @@ const parting = (...names) => {
     return JSON.parse(error.stdout).first_divergence;
   }
 };
-const both = async (...names) => open(await serve("view", ...names.map(file), "--no-browser"));
+/** Opens two recordings and waits until what comparing them has found is told. */
+const both = async (...names) => {
+  await open(await serve("view", ...names.map(file), "--no-browser"));
+  await page.waitForFunction(() => /compared\s+(?!not yet|\s)/.test(document.querySelector("#details").innerText), null, kPatience);
+};
 
 before(() => {
   run(scene, "first.mcap");
